@@ -128,6 +128,8 @@ pub enum CliCommand {
     /// Show a control to clients of OPC UA, in a process of its own; its users and certificates
     #[command(name = "opcua")]
     OpcUa(OpcUaArgs),
+    /// Set the password of those who look from other computers (P486); it is read from standard input
+    WebAccess(WebAccessArgs),
     /// Print the model of the machine for an agent of MTConnect (Devices.xml)
     DeviceModel,
     /// Inspect the database on standard input, with little memory and time: the control calls it before it opens one
@@ -232,6 +234,14 @@ pub struct FleetArgs {
     /// How long they work, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 60)]
     pub seconds: u64,
+}
+
+/// `kt830 web-access`
+#[derive(Debug, ClapArgs)]
+pub struct WebAccessArgs {
+    /// Names and addresses under which browsers reach this computer, for the certificate that is made if there is none
+    #[arg(value_name = "HOST", default_value = "localhost")]
+    pub hosts: Vec<String>,
 }
 
 /// `kt830 opcua`

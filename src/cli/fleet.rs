@@ -103,7 +103,7 @@ fn prepare(
     }
     shared.seed = shared.seed.wrapping_add(number.into());
     let host = setup::headless_host(&shared)?;
-    Ok((host, Gateway::default().with_broker(data.to_path_buf())))
+    Ok((host, Gateway::default().with_folder(data.to_path_buf())))
 }
 
 /// A control that keeps pace with the clock, and its network client.

@@ -96,6 +96,7 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::OpcUa(_)) => {
             Err(CallError::new("this build has no OPC UA server: build it with `--features opcua`"))
         }
+        Some(CliCommand::WebAccess(call)) => serve::set_web_access(&shared, call),
         Some(CliCommand::DeviceModel) => serve::print_device_model(&shared),
         Some(CliCommand::CheckDatabase) => {
             crate::store::run_database_check().map_err(CallError::at("standard input")).map(|()| SUCCESS)
@@ -138,6 +139,12 @@ impl CallError {
 fn print_warning_line(text: std::fmt::Arguments<'_>) {
     use std::io::Write;
     drop(writeln!(std::io::stderr().lock(), "{text}"));
+}
+
+/// The first line of standard input: a password, which no list of processes shows.
+fn password_line() -> Result<String, CallError> {
+    let line = std::io::stdin().lines().next().transpose().map_err(CallError::at("password"))?;
+    line.ok_or_else(|| CallError::new("write the password to standard input"))
 }
 
 /// Writes a line to standard output; a closed pipe is ignored.

@@ -1,12 +1,11 @@
 //! `kt830 opcua`: the OPC UA server of a control, its users and the certificates of its clients.
 //! Source: docs/manual, chapter "network".
 
-use std::io::BufRead;
 use std::path::Path;
 use std::time::Instant;
 
 use super::args::{OpcUaArgs, OpcUaServeArgs, OpcUaTask, SharedArgs};
-use super::{CallError, FAILED, SUCCESS, print_line, setup};
+use super::{CallError, FAILED, SUCCESS, password_line, print_line, setup};
 use crate::gateway::opcua::{OpcUaServer, OpcUaSettings, Users, certificates};
 
 /// The folder of users and certificates, in the data directory.
@@ -22,8 +21,7 @@ pub fn opcua(shared: &SharedArgs, call: &OpcUaArgs) -> Result<u8, CallError> {
     match &call.task {
         OpcUaTask::Serve(call) => serve(&folder, call),
         OpcUaTask::AddUser { name } => {
-            let secret = std::io::stdin().lock().lines().next().transpose().map_err(CallError::at("password"))?;
-            let secret = secret.ok_or_else(|| CallError::new("write the password to standard input"))?;
+            let secret = password_line()?;
             change_users(&folder, |users| users.set(name, &secret))
         }
         OpcUaTask::RemoveUser { name } => change_users(&folder, |users| match users.remove(name) {

@@ -1,17 +1,18 @@
 //! `kt830 serve`: a simulated control without a screen, at the pace of the clock, with its network services: for those who
-//! connect a system of their own. `kt830 device-model`: the model of the machine for an agent of MTConnect.
+//! connect a system of their own. `kt830 device-model`: the model of the machine for an agent of MTConnect. `kt830
+//! web-access`: the password of viewers on other computers.
 //! Source: docs/manual, chapter "network".
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use super::args::{ServeArgs, SharedArgs};
+use super::args::{ServeArgs, SharedArgs, WebAccessArgs};
 use super::painter::painter;
 use super::play::read_story;
-use super::{CallError, SUCCESS, print_line, setup, story_loop};
+use super::{CallError, SUCCESS, password_line, print_line, setup, story_loop};
 use crate::gateway::device_model::device_model;
-use crate::gateway::{Gateway, GatewayThread, timestamp};
+use crate::gateway::{Gateway, GatewayThread, set_viewer_password, timestamp};
 use crate::host::link::{HostLink, ObserverEnds};
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::ThreadedStorage;
@@ -59,7 +60,7 @@ pub fn serve(shared: &SharedArgs, call: &ServeArgs) -> Result<u8, CallError> {
 /// The system cannot create a thread, or there is no data directory.
 pub fn start_network(link: &mut HostLink, shared: &SharedArgs) -> Result<Option<GatewayThread>, CallError> {
     let folder = setup::data_dir(shared)?.root().to_path_buf();
-    let gateway = Gateway::new(painter(shared.lang)).with_broker(folder);
+    let gateway = Gateway::new(painter(shared.lang)).with_folder(folder);
     let started = link.take_observer().map(|ends| {
         let ObserverEnds { snapshots, tell, proposals } = ends;
         GatewayThread::start(snapshots, gateway.with_orders(proposals), tell)
@@ -72,6 +73,16 @@ fn tick_times(executions: &Histogram) -> String {
     let at = |share| executions.percentile(share).0;
     let (p50, p99, p999) = (at(0.5), at(0.99), at(0.999));
     format!("ticks: 50 % {p50} µs, 99 % {p99} µs, 99.9 % {p999} µs, longest {} µs", at(1.0))
+}
+
+/// Sets the password of viewers on other computers.
+///
+/// # Errors
+/// The password makes no sense, or a file cannot be written.
+pub fn set_web_access(shared: &SharedArgs, call: &WebAccessArgs) -> Result<u8, CallError> {
+    let folder = setup::data_dir(shared)?.root().to_path_buf();
+    set_viewer_password(&folder, &password_line()?, call.hosts.clone()).map_err(CallError::new)?;
+    Ok(SUCCESS)
 }
 
 /// Prints the model of the machine whose data these are. Nothing is written.

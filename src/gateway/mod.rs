@@ -3,7 +3,8 @@
 //! but orders that the operator has to accept.
 //! Off by factory: with port 0 nothing listens, and no broker is looked for.
 //! Files: `port_server` a port with bounded connections, `shdr` the lines of MTConnect, `shdr_server` the port of its
-//! agents, `mqtt` what a broker is told, `device_model` the model of the machine, `web` the view for a phone, `picture_thread` who paints its picture.
+//! agents, `mqtt` what a broker is told, `device_model` the model of the machine, `web` the view for a phone, `web_access` who
+//! may look at it from other computers, `picture_thread` who paints its picture, `wire` a stream with or without TLS.
 
 pub mod device_model;
 mod mqtt;
@@ -14,10 +15,12 @@ mod port_server;
 pub mod shdr;
 mod shdr_server;
 mod web;
+mod web_access;
+mod wire;
 
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -31,6 +34,8 @@ use self::picture_thread::PictureThread;
 use self::port_server::{PortCounts, PortServer};
 use self::shdr_server::ShdrServer;
 use self::web::{WebServer, WebView};
+use self::web_access::WebAccess;
+pub use self::web_access::set_viewer_password;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::link::network::{NetworkView, ServiceState, ServiceView};
@@ -94,7 +99,7 @@ impl<S: HasPort> Service<S> {
         &mut self,
         now: Duration,
         asked: (u16, bool),
-        open: fn(u16, bool) -> std::io::Result<S>,
+        open: impl FnOnce(u16, bool) -> Result<S, LocalizedText>,
         act: impl FnOnce(&mut S),
     ) {
         if asked != self.asked {
@@ -103,7 +108,7 @@ impl<S: HasPort> Service<S> {
         if asked.0 > 0 && self.server.is_none() && now >= self.retry_at {
             match open(asked.0, asked.1) {
                 Ok(server) => (self.server, self.failed) = (Some(server), None),
-                Err(error) => self.failed = Some(why_closed(&error)),
+                Err(why) => self.failed = Some(why),
             }
             self.retry_at = now + RETRY_INTERVAL;
         }
@@ -138,6 +143,21 @@ fn internal_fault() -> LocalizedText {
     Text::new("内部错误，见日志", "an internal fault, see the log").into()
 }
 
+/// A fault as the system or a library tells it.
+fn in_words(fault: impl std::fmt::Display) -> LocalizedText {
+    LocalizedText::same(&fault)
+}
+
+/// Opens the view: for other computers in TLS and with a password.
+fn open_view(port: u16, folder: Option<&Path>, reaches_network: bool) -> Result<WebServer, LocalizedText> {
+    let access = match (reaches_network, folder) {
+        (false, _) => None,
+        (true, Some(folder)) => Some(WebAccess::read(folder)?),
+        (true, None) => return Err(Text::new("没有数据目录", "there is no data directory").into()),
+    };
+    WebServer::open(port, access).map_err(|error| why_closed(&error))
+}
+
 /// Why a port cannot be opened.
 fn why_closed(error: &std::io::Error) -> LocalizedText {
     let text = match error.kind() {
@@ -156,6 +176,8 @@ pub struct Gateway {
     /// None without a data directory.
     mqtt: Option<MqttClient>,
     pictures: Option<PictureThread>,
+    /// The data directory.
+    folder: Option<PathBuf>,
 }
 
 impl Gateway {
@@ -165,10 +187,10 @@ impl Gateway {
         Self { pictures: painter.and_then(PictureThread::start), ..Self::default() }
     }
 
-    /// With a broker as the file in this data directory says.
+    /// With a broker, and with viewers on other computers, as the files in this data directory say.
     #[must_use]
-    pub fn with_broker(self, folder: PathBuf) -> Self {
-        Self { mqtt: Some(MqttClient::new(folder)), ..self }
+    pub fn with_folder(self, folder: PathBuf) -> Self {
+        Self { mqtt: Some(MqttClient::new(folder.clone())), folder: Some(folder), ..self }
     }
 
     /// With orders of the broker, which go to a control as proposals.
@@ -182,21 +204,17 @@ impl Gateway {
         let port = |of| snapshot.params.get(of) as u16;
         let reaches_network = snapshot.params.get(param::NETWORK_REACH) > 0.0;
         let asked = (port(param::MTCONNECT_PORT), reaches_network);
-        self.mtconnect.serve(now, asked, ShdrServer::open, |server| server.step(now, time, snapshot));
+        let open = |port, reach| ShdrServer::open(port, reach).map_err(|error| why_closed(&error));
+        self.mtconnect.serve(now, asked, open, |server| server.step(now, time, snapshot));
         let picture = self.pictures.as_ref().and_then(|pictures| pictures.newest(now));
         let view = WebView { snapshot, picture, time };
         let mut wants_picture = false;
-        // Without TLS the view is of this computer alone.
-        let asked = (port(param::WEB_PORT), false);
-        self.web.serve(
-            now,
-            asked,
-            |port, _| WebServer::open(port),
-            |server| {
-                server.step(now, &view);
-                wants_picture = server.take_picture_wanted();
-            },
-        );
+        let asked = (port(param::WEB_PORT), snapshot.params.get(param::WEB_REACH) > 0.0);
+        let open = |port, reach| open_view(port, if reach { self.folder.as_deref() } else { None }, reach);
+        self.web.serve(now, asked, open, |server| {
+            server.step(now, &view);
+            wants_picture = server.take_picture_wanted();
+        });
         self.step_broker(now, time, snapshot);
         let network = wants_picture.then(|| Arc::new(self.view()));
         if let Some(pictures) = &mut self.pictures {
@@ -322,10 +340,10 @@ mod tests {
         }
     }
 
-    fn open(port: u16, reaches_network: bool) -> std::io::Result<Failing> {
+    fn open(port: u16, reaches_network: bool) -> Result<Failing, LocalizedText> {
         let patience = Duration::from_secs(1);
         let limits = port_server::PortLimits { connections: 1, pending: 1, received: 1, patience };
-        PortServer::open(port, reaches_network, limits).map(Failing)
+        PortServer::open(port, reaches_network, limits).map(Failing).map_err(|error| why_closed(&error))
     }
 
     #[test]

@@ -1,9 +1,14 @@
 //! A TCP port and the connections to it. All calls return at once; connections and their memory are bounded, so that a
 //! flood, a client that does not read and one that never ends its request cost no more than that.
 
-use std::io::{ErrorKind, Read, Write};
-use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::io::ErrorKind;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::sync::Arc;
 use std::time::Duration;
+
+use rustls::ServerConfig;
+
+use super::wire::Wire;
 
 /// Most connections taken or refused in a step: a flood does not hold the others up.
 const MAX_ACCEPTS: usize = 64;
@@ -50,7 +55,7 @@ pub enum ConnectionState {
 
 /// A connection.
 pub struct Connection {
-    stream: TcpStream,
+    wire: Wire,
     /// Who it is.
     pub address: SocketAddr,
     /// Bytes to send.
@@ -66,6 +71,8 @@ pub struct Connection {
 /// A port.
 pub struct PortServer {
     listener: TcpListener,
+    /// Connections are in TLS with it.
+    tls: Option<Arc<ServerConfig>>,
     connections: Vec<Connection>,
     limits: PortLimits,
     counts: PortCounts,
@@ -80,7 +87,13 @@ impl PortServer {
         let host = if reaches_network { Ipv4Addr::UNSPECIFIED } else { Ipv4Addr::LOCALHOST };
         let listener = TcpListener::bind((host, port))?;
         listener.set_nonblocking(true)?;
-        Ok(Self { listener, connections: Vec::new(), limits, counts: PortCounts::default() })
+        Ok(Self { listener, tls: None, connections: Vec::new(), limits, counts: PortCounts::default() })
+    }
+
+    /// The same, with every connection in TLS.
+    #[must_use]
+    pub fn with_tls(self, config: Arc<ServerConfig>) -> Self {
+        Self { tls: Some(config), ..self }
     }
 
     /// Takes new connections, each with what it is told first; then each of them receives, `answer` looks at what has come,
@@ -94,8 +107,9 @@ impl PortServer {
             }
             // Without it small lines wait for the answer to the one before; a client works either way.
             drop(stream.set_nodelay(true));
+            let Ok(wire) = Wire::from_client(stream, self.tls.as_ref()) else { continue };
             self.connections.push(Connection {
-                stream,
+                wire,
                 address,
                 pending: welcome(),
                 received: Vec::new(),
@@ -167,7 +181,7 @@ impl Connection {
     /// Takes what has come; false if the other side sends no more.
     fn receive(&mut self) -> bool {
         let mut bytes = [0; 1_024];
-        match self.stream.read(&mut bytes) {
+        match self.wire.read(&mut bytes) {
             Ok(0) => return false,
             Ok(_) if self.is_ending() => self.received.clear(),
             Ok(count) => self.received.extend_from_slice(&bytes[..count]),
@@ -180,7 +194,7 @@ impl Connection {
     /// Sends what goes at once; false if the connection is over.
     fn send(&mut self) -> bool {
         while !self.pending.is_empty() {
-            match self.stream.write(&self.pending) {
+            match self.wire.write(&self.pending) {
                 Ok(0) => return false,
                 Ok(count) => drop(self.pending.drain(..count)),
                 Err(error) if error.kind() == ErrorKind::WouldBlock => break,
@@ -197,8 +211,13 @@ impl Connection {
         if self.state != ConnectionState::Closing || !self.pending.is_empty() {
             return true;
         }
-        (self.state, self.deadline) = (ConnectionState::Shut, now + CLOSING_TIME);
-        self.stream.shutdown(Shutdown::Write).is_ok()
+        match self.wire.finish() {
+            Ok(true) => (self.state, self.deadline) = (ConnectionState::Shut, now + CLOSING_TIME),
+            // What was taken is still on its way.
+            Ok(false) => {}
+            Err(_) => return false,
+        }
+        true
     }
 
     /// What comes is not looked at any more.

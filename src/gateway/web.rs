@@ -2,6 +2,7 @@
 //! nothing that is asked for changes anything.
 //! Source: docs/manual, chapter "network".
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use serde_json::{Value, json};
@@ -9,6 +10,7 @@ use serde_json::{Value, json};
 use super::device_model::{device_model, device_uuid};
 use super::port_server::{Connection, ConnectionState, PortLimits, PortServer};
 use super::timestamp;
+use super::web_access::WebAccess;
 use crate::link::condition::level;
 use crate::link::data_item::{DataItem, ItemValue, data_items};
 use crate::link::snapshot::{AlarmView, Snapshot};
@@ -20,6 +22,8 @@ const LIMITS: PortLimits =
 const MAX_HEADERS: usize = 64;
 /// Sizes shown in the trend.
 const MAX_SIZES: usize = 50;
+/// A browser asks for the password then.
+const UNAUTHORIZED: &str = "401 Unauthorized\r\nWWW-Authenticate: Basic realm=\"KT-830\", charset=\"UTF-8\"";
 /// The page.
 const PAGE: &str = include_str!("../../assets/web/index.html");
 /// Nothing but this server is asked by the page, and no other page may frame it.
@@ -38,28 +42,37 @@ pub struct WebView<'a> {
     pub time: Duration,
 }
 
-/// The port of the view. It is of this computer alone: a server with TLS and passwords stands before it where others look.
+/// The port of the view. It is of this computer alone, or of others in TLS and with a password.
 pub struct WebServer {
     /// The port.
     pub port: PortServer,
+    /// Who may look from other computers; none where the port is of this one.
+    access: Option<WebAccess>,
     /// Somebody has asked for the picture since [`Self::take_picture_wanted`].
     picture_wanted: bool,
 }
 
 impl WebServer {
-    /// Listens at a port of this computer.
+    /// Listens at a port: of this computer alone, or with an access for others of all its networks.
     ///
     /// # Errors
     /// The port is in use or not allowed.
-    pub fn open(port: u16) -> std::io::Result<Self> {
-        Ok(Self { port: PortServer::open(port, false, LIMITS)?, picture_wanted: false })
+    pub fn open(port: u16, access: Option<WebAccess>) -> std::io::Result<Self> {
+        let port = PortServer::open(port, access.is_some(), LIMITS)?;
+        let port = match &access {
+            Some(access) => port.with_tls(Arc::clone(&access.config)),
+            None => port,
+        };
+        Ok(Self { port, access, picture_wanted: false })
     }
 
     /// Answers what has been asked.
     pub fn step(&mut self, now: Duration, view: &WebView<'_>) {
         let (mut answers, mut wanted) = (0, false);
+        let access = &mut self.access;
         self.port.step(now, Vec::new, |client| {
-            if let Some(answer) = answer(client, view, &mut wanted) {
+            let admits = |request: &httparse::Request<'_, '_>| admits(access.as_mut(), request, now);
+            if let Some(answer) = answer(client, view, admits, &mut wanted) {
                 answers += 1;
                 client.pending = answer;
                 client.state = ConnectionState::Closing;
@@ -75,8 +88,29 @@ impl WebServer {
     }
 }
 
-/// The answer to what a client has sent; none until its request is whole.
-fn answer(client: &Connection, view: &WebView<'_>, wanted: &mut bool) -> Option<Vec<u8>> {
+/// Why a request is refused; `Ok` if it may look, none until its password has been tried.
+fn admits(
+    access: Option<&mut WebAccess>,
+    request: &httparse::Request<'_, '_>,
+    now: Duration,
+) -> Option<Result<(), (&'static str, &'static [u8])>> {
+    let header = |name: &str| request.headers.iter().find(|header| header.name.eq_ignore_ascii_case(name));
+    let Some(access) = access else {
+        // A page of another site that has its name lead here has no business here.
+        let is_own = header("host").is_some_and(|host| is_own_name(host.value));
+        return Some(if is_own { Ok(()) } else { Err(("403 Forbidden", b"ask for localhost\n")) });
+    };
+    let admitted = access.admits(header("authorization").map(|header| header.value), now)?;
+    Some(if admitted { Ok(()) } else { Err((UNAUTHORIZED, b"the password of the viewers, please\n")) })
+}
+
+/// The answer to what a client has sent; none until its request is whole and admitted or not.
+fn answer(
+    client: &Connection,
+    view: &WebView<'_>,
+    admits: impl FnOnce(&httparse::Request<'_, '_>) -> Option<Result<(), (&'static str, &'static [u8])>>,
+    wanted: &mut bool,
+) -> Option<Vec<u8>> {
     let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
     let mut request = httparse::Request::new(&mut headers);
     match request.parse(&client.received) {
@@ -84,10 +118,8 @@ fn answer(client: &Connection, view: &WebView<'_>, wanted: &mut bool) -> Option<
         Ok(httparse::Status::Partial) => return None,
         Err(_) => return Some(response("400 Bad Request", "text/plain", b"not a request\n")),
     }
-    let host = request.headers.iter().find(|header| header.name.eq_ignore_ascii_case("host"));
-    // A page of another site that has its name lead here has no business here.
-    if !host.is_some_and(|host| is_own_name(host.value)) {
-        return Some(response("403 Forbidden", "text/plain", b"ask for localhost\n"));
+    if let Err((status, why)) = admits(&request)? {
+        return Some(response(status, "text/plain", why));
     }
     let path = request.path.unwrap_or_default().split('?').next().unwrap_or_default();
     Some(match (request.method.unwrap_or_default(), path) {

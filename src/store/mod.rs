@@ -30,7 +30,9 @@ mod settings;
 mod usb_drive;
 mod values;
 
-pub use atomic_file::{folder_of, is_temporary, remove_temporary, replace as write_atomic};
+pub use atomic_file::{
+    folder_of, is_temporary, remove_temporary, replace as write_atomic, replace_private as write_private,
+};
 pub use checksum::checksum as stamp;
 pub use data_dir::{DataDir, DataDirError};
 pub use decode::{DecodeError, Decoded, Encoding, decode, encode};

@@ -2,7 +2,7 @@
 //! bounded, and a broker that says nothing is given up.
 //! Source: OASIS MQTT 3.1.1.
 
-use std::io::{ErrorKind, Read, Write};
+use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::Duration;
 
@@ -16,8 +16,9 @@ use mqtt_protocol_core::mqtt::{Connection, Version, role};
 use rustls::{ClientConnection, StreamOwned};
 
 use super::broker_settings::TlsEnds;
-use super::in_words;
 use crate::defs::text::{LocalizedText, Text};
+use crate::gateway::in_words;
+use crate::gateway::wire::Wire;
 
 /// Time between two pings.
 const PING_INTERVAL: Duration = Duration::from_secs(10);
@@ -106,7 +107,7 @@ impl BrokerLink {
             None => Wire::Plain(stream),
             Some(TlsEnds { config, name }) => {
                 let session = ClientConnection::new(config, name).map_err(in_words)?;
-                Wire::Tls(Box::new(StreamOwned::new(session, stream)))
+                Wire::ToServer(Box::new(StreamOwned::new(session, stream)))
             }
         };
         let connect = connect_packet(login).map_err(in_words)?;
@@ -333,28 +334,6 @@ fn connect_packet(login: BrokerLogin<'_>) -> Result<Connect, MqttError> {
         connect = connect.user_name(user)?.password(password)?;
     }
     connect.build()
-}
-
-/// The stream, encrypted or not.
-enum Wire {
-    Plain(TcpStream),
-    Tls(Box<StreamOwned<ClientConnection, TcpStream>>),
-}
-
-impl Wire {
-    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        match self {
-            Self::Plain(stream) => stream.read(bytes),
-            Self::Tls(stream) => stream.read(bytes),
-        }
-    }
-
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        match self {
-            Self::Plain(stream) => stream.write(bytes),
-            Self::Tls(stream) => stream.write(bytes),
-        }
-    }
 }
 
 fn refusal(code: ConnectReturnCode) -> LocalizedText {

@@ -9,8 +9,8 @@ use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::{ClientConfig, RootCertStore};
 use serde::Deserialize;
 
-use super::in_words;
 use crate::defs::text::{LocalizedText, Text};
+use crate::gateway::in_words;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 
 /// Name of the file.

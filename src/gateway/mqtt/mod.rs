@@ -23,6 +23,7 @@ use self::order_inbox::OrderInbox;
 use self::part_outbox::PartOutbox;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
+use crate::gateway::in_words;
 use crate::link::network::{BrokerState, BrokerView};
 use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
@@ -340,11 +341,6 @@ fn connect(folder: &Path, settings: BrokerSettings) -> Result<Dialed, LocalizedT
         }
     }
     Err(unreachable_text(&refused))
-}
-
-/// A fault as the system or a library tells it.
-fn in_words(fault: impl std::fmt::Display) -> LocalizedText {
-    LocalizedText::same(&fault)
 }
 
 fn unreachable_text(error: &std::io::Error) -> LocalizedText {

@@ -52,7 +52,7 @@ impl Site {
     }
 
     fn without_settings(broker: TestBroker, folder: tempfile::TempDir) -> Self {
-        let gateway = Gateway::default().with_broker(folder.path().to_path_buf());
+        let gateway = Gateway::default().with_folder(folder.path().to_path_buf());
         let mut snapshot = machine();
         set(&mut snapshot, "P482", 123.0);
         set(&mut snapshot, "P484", 1.0);
@@ -359,7 +359,7 @@ fn every_result_reaches_the_broker_over_losses_of_connection_and_power() {
     assert_eq!((&site.results()[41]["part"], &site.results()[41]["is_bad"]), (&40.into(), &true.into()));
     // Until the file is written.
     site.steps(100);
-    site.gateway = Gateway::default().with_broker(site.folder.path().to_path_buf());
+    site.gateway = Gateway::default().with_folder(site.folder.path().to_path_buf());
     site.broker.sent.clear();
     site.until_born();
     site.steps(100);
@@ -492,7 +492,7 @@ fn a_control_that_stands_still_or_is_switched_off_ends_its_connection() {
     // The number of the connection counts on, also over power-offs.
     set(&mut site.snapshot, "P484", 1.0);
     site.until_born();
-    site.gateway = Gateway::default().with_broker(site.folder.path().to_path_buf());
+    site.gateway = Gateway::default().with_folder(site.folder.path().to_path_buf());
     site.until_born();
     let sessions: Vec<_> = site.births().iter().map(|birth| value(birth, "bdSeq").value.clone().unwrap()).collect();
     assert_eq!(sessions, [0, 1, 2, 3].map(Value::LongValue));
@@ -582,7 +582,7 @@ fn a_long_history_follows_piece_by_piece_and_what_is_dropped_is_counted() {
 fn an_order_of_the_shop_is_proposed_once_and_the_list_is_told() {
     let mut site = Site::new();
     let (proposals, proposed) = crossbeam_channel::bounded(2);
-    site.gateway = Gateway::default().with_broker(site.folder.path().to_path_buf()).with_orders(proposals);
+    site.gateway = Gateway::default().with_folder(site.folder.path().to_path_buf()).with_orders(proposals);
     let row = DirectoryRow { number: 1_002, ..DirectoryRow::default() };
     site.snapshot.directory = std::sync::Arc::new(vec![row]);
     site.until_born();

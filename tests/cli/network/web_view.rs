@@ -2,16 +2,22 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use kt830::defs::alarm;
 use kt830::defs::part_record::PartHistory;
 use kt830::defs::part_verdict::PartVerdict;
-use kt830::gateway::Painter;
+use kt830::gateway::{Gateway, Painter, set_viewer_password};
 use kt830::link::network::ServiceState;
 use kt830::link::snapshot::RunState;
+use rustls::pki_types::CertificateDer;
+use rustls::pki_types::pem::PemObject;
+use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
 
-use super::{DEADLINE, Shop, part, raised, set};
+use super::{DEADLINE, Shop, free_port, machine, part, raised, set};
 
 impl Shop {
     /// A browser asks; the whole answer, with its head.
@@ -170,4 +176,124 @@ fn slow_and_endless_requests_are_given_up() {
     drop(idle);
     shop.until_view("all have gone", |shop| shop.gateway.view().web.clients.is_empty());
     assert!(shop.get("/").0.starts_with("HTTP/1.1 200"));
+}
+
+/// A view for other computers.
+struct GuardedView {
+    shop: Shop,
+    folder: tempfile::TempDir,
+}
+
+impl GuardedView {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        set_viewer_password(folder.path(), "correct horse", vec!["localhost".to_owned()]).unwrap();
+        let gateway = Gateway::default().with_folder(folder.path().to_path_buf());
+        let mut shop = Shop { gateway, snapshot: machine(), port: 0, now: Duration::ZERO };
+        set(&mut shop.snapshot, "P486", 1.0);
+        for _ in 0..20 {
+            shop.port = free_port();
+            set(&mut shop.snapshot, "P483", shop.port.into());
+            shop.step();
+            if shop.gateway.view().web.state == ServiceState::Listening {
+                return Self { shop, folder };
+            }
+        }
+        panic!("{:?}", shop.gateway.view().web);
+    }
+
+    /// A browser that trusts the certificate of the control asks for the state with a password.
+    fn ask(&mut self, password: Option<&str>) -> String {
+        let request = match password {
+            Some(password) => {
+                let credentials = BASE64_STANDARD.encode(format!("viewer:{password}"));
+                format!("GET /state.json HTTP/1.1\r\nHost: grinder\r\nAuthorization: Basic {credentials}\r\n\r\n")
+            }
+            None => "GET /state.json HTTP/1.1\r\nHost: grinder\r\n\r\n".to_owned(),
+        };
+        let mut roots = RootCertStore::empty();
+        roots.add(CertificateDer::from_pem_file(self.folder.path().join("web.pem")).unwrap()).unwrap();
+        let provider = Arc::new(rustls::crypto::ring::default_provider());
+        let config = ClientConfig::builder_with_provider(provider)
+            .with_safe_default_protocol_versions()
+            .unwrap()
+            .with_root_certificates(roots)
+            .with_no_client_auth();
+        let session = ClientConnection::new(Arc::new(config), "localhost".try_into().unwrap()).unwrap();
+        let mut browser = StreamOwned::new(session, self.shop.connect());
+        let (begun, mut sent, mut answer) = (Instant::now(), 0, Vec::new());
+        let mut bytes = [0; 65_536];
+        loop {
+            assert!(begun.elapsed() < DEADLINE, "no answer");
+            self.shop.step();
+            std::thread::sleep(Duration::from_millis(1));
+            if sent < request.len() {
+                sent += browser.write(&request.as_bytes()[sent..]).unwrap_or(0);
+            }
+            match browser.read(&mut bytes) {
+                // It ends with a word of TLS: nothing was cut off.
+                Ok(0) => return String::from_utf8(answer).unwrap(),
+                Ok(count) => answer.extend_from_slice(&bytes[..count]),
+                Err(error) => assert_eq!(error.kind(), ErrorKind::WouldBlock, "{error}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn other_computers_look_in_tls_and_with_the_password_alone() {
+    let mut guarded = GuardedView::new();
+    assert_eq!(guarded.shop.gateway.view().web.address, format!("0.0.0.0:{}", guarded.shop.port));
+    let refused = guarded.ask(None);
+    assert!(refused.starts_with("HTTP/1.1 401 ") && refused.contains("WWW-Authenticate: Basic"), "{refused}");
+    for wrong in ["wrong", "", "correct horse "] {
+        assert!(guarded.ask(Some(wrong)).starts_with("HTTP/1.1 401 "), "{wrong}");
+    }
+    let answer = guarded.ask(Some("correct horse"));
+    assert!(answer.starts_with("HTTP/1.1 200 ") && answer.ends_with('}'), "{answer}");
+    // It is let in again while another password is tried, and after it.
+    assert!(guarded.ask(Some("wrong")).starts_with("HTTP/1.1 401 "));
+    assert!(guarded.ask(Some("correct horse")).starts_with("HTTP/1.1 200 "));
+}
+
+#[test]
+fn a_view_for_other_computers_answers_nobody_without_tls() {
+    let mut guarded = GuardedView::new();
+    let mut browser = guarded.shop.connect();
+    browser.write_all(b"GET /state.json HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    let (begun, mut answer) = (Instant::now(), Vec::new());
+    loop {
+        assert!(begun.elapsed() < DEADLINE, "still open");
+        guarded.shop.step();
+        match browser.read_to_end(&mut answer) {
+            Ok(_) => break,
+            Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(Duration::from_millis(1)),
+            Err(_) => break,
+        }
+    }
+    // An alert of TLS at most.
+    assert!(answer.len() < 32 && !answer.starts_with(b"HTTP"), "{answer:?}");
+}
+
+#[test]
+fn without_a_password_nothing_is_opened_to_other_computers() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut gateway = Gateway::default().with_folder(folder.path().to_path_buf());
+    let mut snapshot = machine();
+    set(&mut snapshot, "P483", free_port().into());
+    set(&mut snapshot, "P486", 1.0);
+    gateway.step(Duration::from_secs(1), Duration::ZERO, &snapshot);
+    let view = gateway.view().web;
+    assert!(matches!(&view.state, ServiceState::Failed(why) if why.en().contains("kt830 web-access")), "{view:?}");
+    // Set while it waits: it is looked for again.
+    set_viewer_password(folder.path(), "correct horse", vec!["localhost".to_owned()]).unwrap();
+    gateway.step(Duration::from_secs(7), Duration::ZERO, &snapshot);
+    assert_eq!(gateway.view().web.state, ServiceState::Listening);
+    assert!(set_viewer_password(folder.path(), "", Vec::new()).is_err());
+    #[cfg(unix)]
+    for file in ["web.ron", "web.key"] {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = std::fs::metadata(folder.path().join(file)).unwrap().permissions().mode();
+        assert_eq!(mode & 0o077, 0, "{file} is readable by others");
+    }
 }

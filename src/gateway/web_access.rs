@@ -1,0 +1,183 @@
+//! Who may look from other computers: a certificate of this control, and the password of the viewers, in the file `web.ron`
+//! of the data directory. Passwords are tried on a thread of their own, one at a time.
+//! Source: docs/manual, chapter "network"; RFC 7617 (basic authentication).
+
+use std::path::Path;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use rcgen::{CertificateParams, KeyPair};
+use rustls::ServerConfig;
+use rustls::pki_types::pem::PemObject;
+use rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use serde::{Deserialize, Serialize};
+
+use super::in_words;
+use crate::defs::text::{LocalizedText, Text};
+use crate::store::ron_file::{self, ChecksumPolicy, RonError};
+use crate::store::{password, write_private};
+
+/// Name of the file.
+const FILE: &str = "web.ron";
+/// Certificate and key that the control makes for itself.
+const CERTIFICATE: &str = "web.pem";
+const KEY: &str = "web.key";
+/// Longest password, bytes.
+const LONGEST: usize = 200;
+/// After a wrong password no other is tried for so long.
+const PENALTY: Duration = Duration::from_secs(1);
+/// The scheme of a request's header.
+const SCHEME: &str = "Basic ";
+
+/// The file as it is written.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AccessFile {
+    /// Certificate and key: PEM files in the data directory.
+    certificate: String,
+    key: String,
+    /// Argon2id hash of the password of the viewers.
+    viewer: String,
+}
+
+/// How the view is given to other computers.
+pub struct WebAccess {
+    /// How connections are encrypted.
+    pub config: Arc<ServerConfig>,
+    gate: ViewerGate,
+}
+
+impl WebAccess {
+    /// Reads the file of a data directory.
+    ///
+    /// # Errors
+    /// It is missing, not readable, or its certificate or key is; in words for the page.
+    pub fn read(folder: &Path) -> Result<Self, LocalizedText> {
+        let read = ron_file::read::<AccessFile>(&folder.join(FILE), ChecksumPolicy::Lenient);
+        let file = read.map_err(|error| match error {
+            RonError::Missing(_) => LocalizedText::from(Text::new(
+                "没有密码：在这台电脑上运行 kt830 web-access",
+                "no password: run kt830 web-access on this computer",
+            )),
+            error => in_words(error),
+        })?;
+        let AccessFile { certificate, key, viewer } = file.value;
+        let wrong = |name: &str, error: &dyn std::fmt::Display| in_words(format!("{name}: {error}"));
+        let chain: Result<Vec<_>, _> =
+            CertificateDer::pem_file_iter(folder.join(&certificate)).and_then(Iterator::collect);
+        let chain = chain.map_err(|error| wrong(&certificate, &error))?;
+        let private = PrivateKeyDer::from_pem_file(folder.join(&key)).map_err(|error| wrong(&key, &error))?;
+        let config = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
+            .with_safe_default_protocol_versions()
+            .map_err(in_words)?
+            .with_no_client_auth()
+            .with_single_cert(chain, private)
+            .map_err(|error| wrong(&certificate, &error))?;
+        Ok(Self { config: Arc::new(config), gate: ViewerGate::new(viewer) })
+    }
+
+    /// Whether a request with this header may look; none until its password has been tried.
+    pub fn admits(&mut self, authorization: Option<&[u8]>, now: Duration) -> Option<bool> {
+        self.gate.admits(authorization, now)
+    }
+}
+
+/// Sets the password of the viewers; without a certificate the control makes one for these names of this computer.
+///
+/// # Errors
+/// The password is empty or too long, or a file cannot be written.
+pub fn set_viewer_password(folder: &Path, secret: &str, hosts: Vec<String>) -> Result<(), String> {
+    if secret.is_empty() || secret.len() > LONGEST {
+        return Err(format!("the password has 1 to {LONGEST} bytes"));
+    }
+    let viewer = password::hash(secret).map_err(|error| error.to_string())?;
+    let path = folder.join(FILE);
+    let file = match ron_file::read::<AccessFile>(&path, ChecksumPolicy::Lenient) {
+        Ok(read) => AccessFile { viewer, ..read.value },
+        Err(RonError::Missing(_)) => {
+            make_certificate(folder, hosts)?;
+            AccessFile { certificate: CERTIFICATE.to_owned(), key: KEY.to_owned(), viewer }
+        }
+        Err(error) => return Err(error.to_string()),
+    };
+    ron_file::write(&path, ChecksumPolicy::Lenient, &file).map_err(|error| error.to_string())
+}
+
+/// A certificate that nobody else vouches for: a browser asks once whether it is to be trusted.
+fn make_certificate(folder: &Path, hosts: Vec<String>) -> Result<(), String> {
+    let key = KeyPair::generate().map_err(|error| error.to_string())?;
+    let certificate = CertificateParams::new(hosts).and_then(|params| params.self_signed(&key));
+    let certificate = certificate.map_err(|error| error.to_string())?;
+    for (name, text) in [(KEY, key.serialize_pem()), (CERTIFICATE, certificate.pem())] {
+        write_private(&folder.join(name), text.as_bytes()).map_err(|error| error.to_string())?;
+    }
+    Ok(())
+}
+
+/// Lets viewers in by their password.
+struct ViewerGate {
+    hash: Arc<str>,
+    /// The header that was let in last: it is not hashed again.
+    admitted: Option<Vec<u8>>,
+    trial: Option<(Vec<u8>, JoinHandle<bool>)>,
+    /// The header that was refused last, and until when no other is tried.
+    refused: Option<(Vec<u8>, Duration)>,
+}
+
+impl ViewerGate {
+    fn new(hash: String) -> Self {
+        Self { hash: hash.into(), admitted: None, trial: None, refused: None }
+    }
+
+    fn admits(&mut self, authorization: Option<&[u8]>, now: Duration) -> Option<bool> {
+        let Some(header) = authorization else { return Some(false) };
+        self.take_trial(now);
+        if self.admitted.as_deref().is_some_and(|admitted| is_same(admitted, header)) {
+            return Some(true);
+        }
+        if let Some((refused, until)) = &self.refused {
+            if refused == header {
+                return Some(false);
+            }
+            if now < *until {
+                return None;
+            }
+        }
+        if self.trial.is_none() {
+            let (told, hash) = (header.to_vec(), Arc::clone(&self.hash));
+            let tried = std::thread::Builder::new()
+                .name("kt830-password".to_owned())
+                .spawn(move || password_of(&told).is_some_and(|secret| password::verify(&secret, &hash)));
+            self.trial = tried.ok().map(|trial| (header.to_vec(), trial));
+        }
+        None
+    }
+
+    /// The result of a trial that is over.
+    fn take_trial(&mut self, now: Duration) {
+        if let Some((header, trial)) = self.trial.take_if(|(_, trial)| trial.is_finished()) {
+            match trial.join() {
+                Ok(true) => self.admitted = Some(header),
+                Ok(false) | Err(_) => self.refused = Some((header, now + PENALTY)),
+            }
+        }
+    }
+}
+
+/// The password of a header of basic authentication; the name of the user does not matter.
+fn password_of(header: &[u8]) -> Option<String> {
+    let text = std::str::from_utf8(header).ok()?;
+    let encoded =
+        text.get(..SCHEME.len()).filter(|scheme| scheme.eq_ignore_ascii_case(SCHEME)).and(text.get(SCHEME.len()..))?;
+    let plain = String::from_utf8(BASE64_STANDARD.decode(encoded.trim()).ok()?).ok()?;
+    let (_, secret) = plain.split_once(':')?;
+    (secret.len() <= LONGEST).then(|| secret.to_owned())
+}
+
+/// Compares without telling by its time how far the two are the same.
+fn is_same(left: &[u8], right: &[u8]) -> bool {
+    left.len() == right.len() && left.iter().zip(right).fold(0, |all, (a, b)| all | (a ^ b)) == 0
+}
