@@ -267,7 +267,12 @@ pub enum OpcUaTask {
         /// The name
         name: String,
     },
-    /// Print the users, and the certificates of clients that were refused
+    /// Trust the certificate of a client no more
+    Distrust {
+        /// Its thumbprint, as `status` prints it
+        thumbprint: String,
+    },
+    /// Print the users, and the certificates of clients that are trusted and that were refused
     Status,
     /// Trust the certificate of a client
     Trust {

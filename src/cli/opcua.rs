@@ -28,6 +28,9 @@ pub fn opcua(shared: &SharedArgs, call: &OpcUaArgs) -> Result<u8, CallError> {
             true => Ok(()),
             false => Err(format!("there is no user {name}")),
         }),
+        OpcUaTask::Distrust { thumbprint } => {
+            certificates::distrust(&folder, thumbprint).map_err(CallError::new).map(|()| SUCCESS)
+        }
         OpcUaTask::Status => status(&folder),
         OpcUaTask::Trust { certificate } => {
             let thumbprint = certificates::trust(&folder, certificate).map_err(CallError::new)?;
@@ -38,6 +41,9 @@ pub fn opcua(shared: &SharedArgs, call: &OpcUaArgs) -> Result<u8, CallError> {
 }
 
 fn serve(folder: &Path, call: &OpcUaServeArgs) -> Result<u8, CallError> {
+    if !call.listen.ip().is_loopback() && call.host == "localhost" {
+        return Err(CallError::new("--host: name this computer as clients on others reach it"));
+    }
     let settings = OpcUaSettings {
         control: call.control.clone(),
         listen: call.listen,
@@ -65,8 +71,9 @@ fn change_users(folder: &Path, change: impl FnOnce(&mut Users) -> Result<(), Str
 fn status(folder: &Path) -> Result<u8, CallError> {
     let users = Users::read(folder).map_err(CallError::new)?;
     users.names().for_each(|name| print_line(format!("user {name}")));
-    for refused in certificates::rejected(folder) {
-        print_line(format!("refused {} {}", refused.thumbprint, refused.subject));
+    let lists = [("trusted", certificates::trusted(folder)), ("refused", certificates::rejected(folder))];
+    for (state, certificates) in lists {
+        certificates.iter().for_each(|one| print_line(format!("{state} {} {}", one.thumbprint, one.subject)));
     }
     Ok(if users.names().next().is_none() { FAILED } else { SUCCESS })
 }

@@ -57,7 +57,11 @@ impl ShdrLines {
         let new = numbered.filter(|(at, entry)| !is_told(*at, entry)).map(|(_, entry)| entry);
         let mut lines = values_line(time, new);
         self.conditions = Condition::of_machine(snapshot).collect();
-        self.identity = identity_lines(snapshot);
+        let identity = identity_lines(snapshot);
+        if !self.identity.is_empty() && self.identity != identity {
+            lines += &identity;
+        }
+        self.identity = identity;
         let newest = snapshot.alarm_history.last().map_or(0, |alarm| alarm.count);
         let first_look = self.newest_alarm.is_none();
         let seen = self.newest_alarm.replace(newest).unwrap_or(newest);

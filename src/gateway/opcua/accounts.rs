@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use opcua::server::ServerEndpoint;
 use opcua::server::address_space::AccessLevel;
@@ -13,6 +14,7 @@ use opcua::types::{Error, NodeId, StatusCode, UAString, UserTokenPolicy, UserTok
 use serde::{Deserialize, Serialize};
 use tokio::sync::Semaphore;
 
+use super::node_manager::log_fault;
 use crate::store::password;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 
@@ -85,18 +87,43 @@ impl Users {
     }
 }
 
+/// Time between two looks whether a user is still one.
+const LOOK_INTERVAL: Duration = Duration::from_secs(2);
+/// Begin of the name of a session's user.
+const TOKEN: &str = "user:";
+
 /// Lets users in, and lets them read.
 pub struct Accounts {
     folder: PathBuf,
     trials: Semaphore,
+    /// The users, and when they were looked at.
+    known: Mutex<(Users, Instant)>,
 }
 
 impl Accounts {
-    /// The users of a folder: the file is read at each login, so that one who was removed is not let in.
+    /// The users of a folder.
     #[must_use]
     pub fn new(folder: PathBuf) -> Self {
-        Self { folder, trials: Semaphore::new(PARALLEL_TRIALS) }
+        let known = Mutex::new((read_or_none(&folder), Instant::now()));
+        Self { folder, trials: Semaphore::new(PARALLEL_TRIALS), known }
     }
+
+    /// Whether the user of a session is still one.
+    fn is_user(&self, token: &UserToken) -> bool {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.1.elapsed() >= LOOK_INTERVAL {
+            *known = (read_or_none(&self.folder), Instant::now());
+        }
+        token.0.strip_prefix(TOKEN).is_some_and(|name| known.0.0.contains_key(name))
+    }
+}
+
+/// The users; none where the file cannot be read, which the log says.
+fn read_or_none(folder: &Path) -> Users {
+    Users::read(folder).unwrap_or_else(|error| {
+        log_fault(&error.to_string());
+        Users::default()
+    })
 }
 
 fn refused() -> Error {
@@ -113,10 +140,9 @@ impl AuthManager for Accounts {
     ) -> Result<UserToken, Error> {
         let _trial = self.trials.acquire().await.map_err(|_| refused())?;
         let (folder, told, secret) = (self.folder.clone(), name.to_owned(), secret.get().to_owned());
-        let tried =
-            tokio::task::spawn_blocking(move || Users::read(&folder).is_ok_and(|users| users.verify(&told, &secret)));
+        let tried = tokio::task::spawn_blocking(move || read_or_none(&folder).verify(&told, &secret));
         if tried.await.unwrap_or(false) {
-            return Ok(UserToken(format!("user:{name}")));
+            return Ok(UserToken(format!("{TOKEN}{name}")));
         }
         tokio::time::sleep(PENALTY).await;
         Err(refused())
@@ -132,8 +158,8 @@ impl AuthManager for Accounts {
         }]
     }
 
-    fn effective_user_access_level(&self, _: &UserToken, level: AccessLevel, _: &NodeId) -> AccessLevel {
-        level & AccessLevel::CURRENT_READ
+    fn effective_user_access_level(&self, token: &UserToken, level: AccessLevel, _: &NodeId) -> AccessLevel {
+        if self.is_user(token) { level & AccessLevel::CURRENT_READ } else { AccessLevel::empty() }
     }
 
     fn is_user_executable(&self, _: &UserToken, _: &NodeId) -> bool {

@@ -8,6 +8,8 @@ use crate::link::condition::{Condition, FAULT};
 
 /// Most data items and alarms that are remembered: a stream of nonsense takes no memory.
 const MOST_ENTRIES: usize = 1_000;
+/// Longest value that is remembered, characters.
+const LONGEST_VALUE: usize = 1_000;
 
 /// Who the machine is.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -56,7 +58,38 @@ pub struct AdapterState {
     values: BTreeMap<String, String>,
     raised: BTreeMap<(String, String), ToldAlarm>,
     time: String,
-    program_has_run: bool,
+    /// Whether a line has told the level of a condition: it follows the values in a welcome.
+    has_conditions: bool,
+    program: ProgramCourse,
+}
+
+/// What has become of the program since it was loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProgramCourse {
+    /// It has not run.
+    #[default]
+    Loaded,
+    /// It runs.
+    Runs,
+    /// It stands in the middle: held, stopped or waiting.
+    Interrupted,
+    /// It has run to its end.
+    Ended,
+    /// It was ended by an alarm or by RESET.
+    Aborted,
+}
+
+impl ProgramCourse {
+    /// After an execution in automatic mode.
+    fn after(self, execution: &str) -> Self {
+        match (execution, self) {
+            ("ACTIVE", _) => Self::Runs,
+            ("FEED_HOLD" | "PROGRAM_STOPPED" | "WAIT", _) => Self::Interrupted,
+            ("READY", Self::Runs) => Self::Ended,
+            ("READY" | "STOPPED", Self::Interrupted) | ("STOPPED", Self::Runs) => Self::Aborted,
+            (_, course) => course,
+        }
+    }
 }
 
 impl AdapterState {
@@ -88,21 +121,25 @@ impl AdapterState {
         &self.time
     }
 
-    /// Whether the program has run since it was loaded.
+    /// What has become of the program; none without one.
     #[must_use]
-    pub const fn program_has_run(&self) -> bool {
-        self.program_has_run
+    pub fn program(&self) -> Option<ProgramCourse> {
+        self.text("program").map(|_| self.program)
     }
 
     /// Whether the machine is known with its items: a welcome has come.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        !self.identity.uuid.is_empty() && self.values.contains_key("avail") && self.values.contains_key("execution")
+        let told = ["avail", "execution", "message"];
+        !self.identity.uuid.is_empty() && self.has_conditions && told.iter().all(|id| self.values.contains_key(*id))
     }
 
-    /// Forgets everything, for a new connection; returns the alarms that were raised.
-    pub fn restart(&mut self) -> Vec<ToldAlarm> {
-        std::mem::take(self).raised.into_values().collect()
+    /// What another connection to the same control has told since: alarms that are over, and those that are new.
+    #[must_use]
+    pub fn changes_to(&self, newer: &Self) -> Vec<AdapterEvent> {
+        let gone = self.alarms().filter(|alarm| !newer.alarms().any(|other| other == *alarm)).cloned();
+        let new = newer.alarms().filter(|alarm| !self.alarms().any(|other| other == *alarm)).cloned();
+        gone.map(AdapterEvent::Cleared).chain(new.map(AdapterEvent::Raised)).collect()
     }
 
     /// Takes a line of the stream without its end. One that is not understood changes nothing.
@@ -125,7 +162,23 @@ impl AdapterState {
             ["message", _, text] => self.take_message(text),
             // A condition or a message that is not whole.
             [id, ..] if is_condition(id) || *id == "message" => Vec::new(),
-            pairs => pairs.chunks_exact(2).filter_map(|pair| self.take_value(pair[0], pair[1])).collect(),
+            pairs => {
+                let events: Vec<_> =
+                    pairs.chunks_exact(2).filter_map(|pair| self.take_value(pair[0], pair[1])).collect();
+                self.follow_program(&events);
+                events
+            }
+        }
+    }
+
+    /// Follows the program, once a line is taken as a whole. Axes that are homed and moved by hand are active, too.
+    fn follow_program(&mut self, events: &[AdapterEvent]) {
+        let is_told = |id: &str| events.iter().any(|event| matches!(event, AdapterEvent::Value(told) if told == id));
+        if is_told("program") {
+            self.program = ProgramCourse::Loaded;
+        }
+        if (is_told("execution") || is_told("program")) && self.text("mode") == Some("AUTOMATIC") {
+            self.program = self.text("execution").map_or(self.program, |execution| self.program.after(execution));
         }
     }
 
@@ -146,12 +199,7 @@ impl AdapterState {
         if old.is_some_and(|old| old == text) || old.is_none() && self.values.len() >= MOST_ENTRIES {
             return None;
         }
-        self.values.insert(id.to_owned(), text.to_owned());
-        match (id, text) {
-            ("program", _) => self.program_has_run = false,
-            ("execution", "ACTIVE") => self.program_has_run = true,
-            _ => {}
-        }
+        self.values.insert(id.to_owned(), text.chars().take(LONGEST_VALUE).collect());
         Some(AdapterEvent::Value(id.to_owned()))
     }
 
@@ -162,6 +210,7 @@ impl AdapterState {
 
     /// `NORMAL` with a number ends that alarm, without one all of the condition.
     fn take_condition(&mut self, condition: &str, level: &str, number: &str, text: &str) -> Vec<AdapterEvent> {
+        self.has_conditions = true;
         if level == "NORMAL" {
             let is_over =
                 |alarm: &ToldAlarm| alarm.condition == condition && (number.is_empty() || alarm.number == number);
@@ -173,7 +222,7 @@ impl AdapterState {
             number: number.to_owned(),
             condition: condition.to_owned(),
             is_fault: level == FAULT,
-            text: text.to_owned(),
+            text: text.chars().take(LONGEST_VALUE).collect(),
         };
         let key = (alarm.condition.clone(), alarm.number.clone());
         let old = self.raised.get(&key);
@@ -243,22 +292,53 @@ mod tests {
     }
 
     #[test]
-    fn a_program_has_run_until_another_one_is_loaded() {
-        let (mut state, _) = told(WELCOME);
-        assert!(!state.program_has_run());
-        state.take("t|execution|ACTIVE");
-        state.take("t|execution|READY");
-        assert!(state.program_has_run());
-        state.take("t|program|O1003");
-        assert!(!state.program_has_run());
+    fn the_course_of_a_program_follows_its_executions() {
+        use ProgramCourse::{Aborted, Ended, Interrupted, Loaded, Runs};
+        let cases: [(&str, Option<ProgramCourse>); 9] = [
+            ("t|program|UNAVAILABLE|execution|READY", None),
+            ("t|execution|READY|program|O1", Some(Loaded)),
+            // A server that comes while it runs: its execution stands before its name.
+            ("t|execution|ACTIVE|program|O1", Some(Runs)),
+            ("t|program|O1\nt|execution|ACTIVE\nt|execution|READY", Some(Ended)),
+            ("t|program|O1\nt|execution|ACTIVE\nt|execution|FEED_HOLD", Some(Interrupted)),
+            ("t|program|O1\nt|execution|ACTIVE\nt|execution|FEED_HOLD\nt|execution|READY", Some(Aborted)),
+            ("t|program|O1\nt|execution|ACTIVE\nt|execution|STOPPED\nt|execution|READY", Some(Aborted)),
+            // An alarm without a run; another program after a run.
+            ("t|program|O1\nt|execution|STOPPED", Some(Loaded)),
+            ("t|program|O1\nt|execution|ACTIVE\nt|execution|READY\nt|program|O2", Some(Loaded)),
+        ];
+        for (lines, course) in cases {
+            let (state, _) = told(&format!("t|mode|AUTOMATIC\n{lines}"));
+            assert_eq!(state.program(), course, "{lines}");
+        }
+        let (homed, _) = told("t|mode|MANUAL|program|O1\nt|execution|ACTIVE\nt|execution|READY");
+        assert_eq!(homed.program(), Some(Loaded), "homing is no run");
     }
 
     #[test]
-    fn a_new_connection_begins_without_anything() {
-        let (mut state, _) = told(WELCOME);
-        state.take("t|c_hydraulic|FAULT|180|||hydraulic pressure");
-        assert_eq!(state.restart().len(), 1);
-        assert!(!state.is_complete() && state.alarms().count() == 0 && state.items().count() == 0);
+    fn another_connection_tells_what_has_come_and_gone_meanwhile() {
+        let alarm = |number: &str| format!("t|c_hydraulic|FAULT|{number}|||text {number}");
+        let (before, _) = told(&format!("{WELCOME}{}\n{}", alarm("180"), alarm("181")));
+        let (after, _) = told(&format!("{WELCOME}{}\n{}", alarm("181"), alarm("182")));
+        let changes = before.changes_to(&after);
+        let numbers: Vec<_> = changes
+            .iter()
+            .map(|change| match change {
+                AdapterEvent::Cleared(alarm) => (false, alarm.number.as_str()),
+                AdapterEvent::Raised(alarm) => (true, alarm.number.as_str()),
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert_eq!(numbers, [(false, "180"), (true, "182")]);
+        assert_eq!(before.changes_to(&before.clone()), []);
+    }
+
+    #[test]
+    fn a_welcome_that_is_cut_off_is_not_complete() {
+        let whole: Vec<&str> = WELCOME.lines().collect();
+        for lines in 0..whole.len() {
+            assert!(!told(&whole[..lines].join("\n")).0.is_complete(), "{lines} lines");
+        }
     }
 
     #[test]

@@ -71,7 +71,9 @@ impl AlertEvent {
     /// A message of the program.
     #[must_use]
     pub fn of_message(nodes: &MachineNodes, text: &str, time: DateTime) -> Self {
-        let mut event = Self::new(nodes, nodes.message_type.clone(), text, (MESSAGE_SEVERITY, time));
+        let [kind, above] = nodes.message_types.clone();
+        let mut event = Self::new(nodes, kind, text, (MESSAGE_SEVERITY, time));
+        event.types.push(above);
         event.fields.insert("Identifier", Variant::from("message"));
         event
     }

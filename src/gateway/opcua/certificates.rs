@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use opcua::crypto::{CertificateStore, X509, X509Data};
 
+use crate::store::{write_atomic, write_private};
+
 /// Its own certificate, in the folder of the server.
 pub const OWN_CERTIFICATE: &str = "own/cert.der";
 /// The key of it.
@@ -17,23 +19,20 @@ const KEY_BITS: u32 = 3_072;
 /// A machine runs for longer than anybody remembers to renew a certificate.
 const VALID_DAYS: u32 = 20 * 365;
 /// Certificates of strangers that are kept: each stranger could send others without end.
-const MOST_REJECTED: usize = 50;
+const MOST_REJECTED: usize = 500;
 
-/// Makes the server's own certificate if there is none. `uri` is the name of the application, `hosts` are the names under
-/// which clients reach it.
+/// Makes the server's own certificate if there is none that fits; whether one was made. `uri` is the name of the
+/// application, `host` the name under which clients reach it.
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn ensure_own(folder: &Path, uri: &str, hosts: Vec<String>) -> Result<(), String> {
-    let (certificate, key) = (folder.join(OWN_CERTIFICATE), folder.join(PRIVATE_KEY));
-    let at = |path: &Path| format!("{}: ", path.display());
+pub fn ensure_own(folder: &Path, uri: &str, host: &str) -> Result<bool, String> {
     for name in ["own", "private", TRUSTED, REJECTED] {
         let path = folder.join(name);
-        fs::create_dir_all(&path).map_err(|error| at(&path) + &error.to_string())?;
+        fs::create_dir_all(&path).map_err(|error| format!("{}: {error}", path.display()))?;
     }
-    keep_private(&folder.join("private")).map_err(|error| at(&folder.join("private")) + &error.to_string())?;
-    if certificate.exists() && key.exists() {
-        return Ok(());
+    if own_fits(folder, uri, host) {
+        return Ok(false);
     }
     let data = X509Data {
         key_size: KEY_BITS,
@@ -42,28 +41,33 @@ pub fn ensure_own(folder: &Path, uri: &str, hosts: Vec<String>) -> Result<(), St
         organizational_unit: String::new(),
         country: "CN".to_owned(),
         state: String::new(),
-        alt_host_names: X509Data::alt_host_names(uri, Some(hosts), false, true, true),
+        alt_host_names: X509Data::alt_host_names(uri, Some(vec![host.to_owned()]), false, true, true),
         certificate_duration_days: VALID_DAYS,
     };
-    CertificateStore::create_certificate_and_key(&data, true, &certificate, &key).map(|_| ())
+    let aside = tempfile::tempdir_in(folder).map_err(|error| error.to_string())?;
+    let made = [aside.path().join("cert.der"), aside.path().join("key.pem")];
+    CertificateStore::create_certificate_and_key(&data, true, &made[0], &made[1])?;
+    let [certificate, key] = made.map(|path| fs::read(path).map_err(|error| error.to_string()));
+    let (certificate, key) = (certificate?, key?);
+    // Without a certificate both are made again: a power cut in between leaves no pair that does not fit.
+    remove(&folder.join(OWN_CERTIFICATE))?;
+    write_private(&folder.join(PRIVATE_KEY), &key).map_err(|error| error.to_string())?;
+    write_atomic(&folder.join(OWN_CERTIFICATE), &certificate).map_err(|error| error.to_string())?;
+    Ok(true)
 }
 
-/// Nobody else reads what is in a folder.
-fn keep_private(folder: &Path) -> std::io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        fs::set_permissions(folder, fs::Permissions::from_mode(0o700))?;
-    }
-    #[cfg(not(unix))]
-    let _ = folder;
-    Ok(())
+/// Whether there is a certificate of these names, and the key of it.
+fn own_fits(folder: &Path, uri: &str, host: &str) -> bool {
+    let certificate = CertificateStore::read_cert(&folder.join(OWN_CERTIFICATE));
+    let key = CertificateStore::read_pkey(&folder.join(PRIVATE_KEY));
+    certificate.is_ok_and(|own| own.is_application_uri_valid(uri).is_ok() && own.is_hostname_valid(host).is_ok())
+        && key.is_ok()
 }
 
-/// A certificate of a client that was refused.
-pub struct RejectedCertificate {
+/// A certificate of a client.
+pub struct ClientCertificate {
     /// The file.
-    pub path: PathBuf,
+    path: PathBuf,
     /// SHA-1 of it, hexadecimal: what a client shows of its own certificate.
     pub thumbprint: String,
     /// Who it says to be.
@@ -72,12 +76,22 @@ pub struct RejectedCertificate {
 
 /// The certificates of clients that were refused.
 #[must_use]
-pub fn rejected(folder: &Path) -> Vec<RejectedCertificate> {
-    let files = fs::read_dir(folder.join(REJECTED)).into_iter().flatten().flatten().map(|entry| entry.path());
+pub fn rejected(folder: &Path) -> Vec<ClientCertificate> {
+    certificates(&folder.join(REJECTED))
+}
+
+/// The certificates of clients that are trusted.
+#[must_use]
+pub fn trusted(folder: &Path) -> Vec<ClientCertificate> {
+    certificates(&folder.join(TRUSTED))
+}
+
+fn certificates(folder: &Path) -> Vec<ClientCertificate> {
+    let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let read = files.filter_map(|path| {
         let certificate = CertificateStore::read_cert(&path).ok()?;
         let (thumbprint, subject) = (thumbprint_of(&certificate), certificate.subject_name());
-        Some(RejectedCertificate { path, thumbprint, subject })
+        Some(ClientCertificate { path, thumbprint, subject })
     });
     read.collect()
 }
@@ -85,23 +99,38 @@ pub fn rejected(folder: &Path) -> Vec<RejectedCertificate> {
 /// Trusts a certificate: a file, or the thumbprint of one that was refused. Returns its thumbprint.
 ///
 /// # Errors
-/// There is no such certificate, or the file cannot be moved.
+/// There is no such certificate, or the file cannot be written.
 pub fn trust(folder: &Path, certificate: &str) -> Result<String, String> {
-    let wanted = certificate.replace([':', ' '], "").to_ascii_lowercase();
-    let refused = rejected(folder).into_iter().find(|other| other.thumbprint == wanted);
-    let source = refused.as_ref().map_or_else(|| PathBuf::from(certificate), |refused| refused.path.clone());
+    let refused = rejected(folder).into_iter().find(|other| is_thumbprint(&other.thumbprint, certificate));
+    let source = refused.map_or_else(|| PathBuf::from(certificate), |refused| refused.path);
     let read = CertificateStore::read_cert(&source).map_err(|error| format!("{}: {error}", source.display()))?;
     let name = CertificateStore::cert_file_name(&read);
-    let target = folder.join(TRUSTED).join(&name);
-    let failed = |error: std::io::Error| format!("{}: {error}", target.display());
-    fs::create_dir_all(folder.join(TRUSTED)).map_err(failed)?;
-    fs::copy(&source, &target).map_err(failed)?;
+    let bytes = read.to_der().map_err(|error| format!("{}: {error}", source.display()))?;
+    write_atomic(&folder.join(TRUSTED).join(&name), &bytes).map_err(|error| error.to_string())?;
     // One that lies among the refused ones stays refused.
-    let refused = folder.join(REJECTED).join(&name);
-    if refused.exists() {
-        fs::remove_file(&refused).map_err(failed)?;
-    }
+    remove(&folder.join(REJECTED).join(&name))?;
     Ok(thumbprint_of(&read))
+}
+
+/// Trusts a certificate no more.
+///
+/// # Errors
+/// None that is trusted has this thumbprint, or the file cannot be removed.
+pub fn distrust(folder: &Path, thumbprint: &str) -> Result<(), String> {
+    let found = trusted(folder).into_iter().find(|other| is_thumbprint(&other.thumbprint, thumbprint));
+    remove(&found.ok_or("no trusted certificate has this thumbprint")?.path)
+}
+
+fn remove(path: &Path) -> Result<(), String> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(format!("{}: {error}", path.display())),
+        _ => Ok(()),
+    }
+}
+
+/// As people write them: with colons, blanks, in capitals.
+fn is_thumbprint(thumbprint: &str, written: &str) -> bool {
+    thumbprint == written.replace([':', ' '], "").to_ascii_lowercase()
 }
 
 /// Removes the oldest of the refused certificates beyond those that are kept.

@@ -9,7 +9,7 @@ use opcua::types::{
     ReferenceTypeId, VariableTypeId, Variant,
 };
 
-use super::adapter_state::AdapterState;
+use super::adapter_state::{AdapterState, ProgramCourse};
 use crate::link::condition::FAULT;
 use crate::link::data_item::{Category, DataItem, all_data_items};
 
@@ -129,8 +129,8 @@ pub struct MachineNodes {
     pub root: NodeId,
     /// The object that tells events.
     pub messages: NodeId,
-    /// Type of the messages.
-    pub message_type: NodeId,
+    /// Type of the messages, and the one of the specification above it.
+    pub message_types: [NodeId; 2],
     /// Type of the alarms.
     pub alert_type: NodeId,
 }
@@ -190,12 +190,12 @@ pub fn create(space: &mut AddressSpace, indices: NamespaceIndices, state: &Adapt
     building.identification(&root, state);
     building.monitoring(&root);
     building.production(&root);
-    building.equipment(&root);
+    building.equipment(&root, state);
     let messages = building.notification(&root);
     building.data_items(&root, state);
-    let message_type = building.message_type();
+    let message_types = [building.message_type(), indices.node(numbers::NOTIFICATION_EVENT)];
     let alert_type = indices.node(numbers::ALERT);
-    MachineNodes { variables: building.variables, root, messages, message_type, alert_type }
+    MachineNodes { variables: building.variables, root, messages, message_types, alert_type }
 }
 
 struct Building<'a> {
@@ -307,7 +307,12 @@ impl Building<'_> {
             self.flag(&modifiers, name, item);
         }
         let spindle = self.element(&at, "Spindle1", numbers::SPINDLE);
-        self.flag(&spindle, "IsRotating", "spindle_power");
+        let row = VariableSpec::new(ChildOf::Component, Namespace::MachineTool, "IsRotating", DataTypeId::Boolean);
+        self.bound(&spindle, row, |state| {
+            // Measured where it is: a wheel runs down for minutes after it was switched off.
+            let by_output = || Some(state.text("spindle_power")? == "ON");
+            state.number("spindle_speed").map(|speed| speed.abs() >= 0.5).or_else(by_output).map(Variant::Boolean)
+        });
         self.percentage(&spindle, "Override", "spindle_override", 150.0);
     }
 
@@ -354,8 +359,11 @@ impl Building<'_> {
     }
 
     /// The wheel is the one tool; a lathe tells none.
-    fn equipment(&mut self, root: &NodeId) {
+    fn equipment(&mut self, root: &NodeId, state: &AdapterState) {
         let at = self.component(root, "Equipment", numbers::EQUIPMENT);
+        if state.text("wheel_diameter").is_none() {
+            return;
+        }
         let tools = self.component(&at, "Tools", numbers::TOOL_LIST);
         let wheel = self.component(&tools, "Wheel", numbers::TOOL);
         let row = VariableSpec::new(ChildOf::Property, Namespace::MachineTool, "Name", DataTypeId::String);
@@ -507,12 +515,11 @@ fn channel_mode(mode: &str) -> i32 {
 
 /// State of the program, by its place in [`PROGRAM_STATES`].
 fn program_state(state: &AdapterState) -> Option<usize> {
-    state.text("program")?;
-    Some(match state.text("execution")? {
-        "READY" if state.program_has_run() => 2,
-        "READY" => 0,
-        "ACTIVE" => 1,
-        "STOPPED" => 4,
-        _ => 3,
+    Some(match state.program()? {
+        ProgramCourse::Loaded => 0,
+        ProgramCourse::Runs => 1,
+        ProgramCourse::Ended => 2,
+        ProgramCourse::Interrupted => 3,
+        ProgramCourse::Aborted => 4,
     })
 }

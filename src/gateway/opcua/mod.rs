@@ -1,7 +1,8 @@
 //! `kt830 opcua`: an OPC UA server for a control, in a process of its own. It takes what the control tells at its adapter
 //! port (P480) and nothing else: whatever a client of OPC UA does, or a fault of the server, does not reach the control.
 //! Files: `adapter_state` what the control tells, `adapter_client` the connection to it, `machine_tool` the machine in the
-//! address space, `node_manager` the address space, `alert_event` alarms and messages, `accounts` users, `certificates`.
+//! address space, `node_manager` the address space, `alert_event` alarms and messages, `accounts` users, `certificates`, `gatekeeper` what
+//! stands before the library.
 //! Source: OPC 10000 (OPC UA), OPC 40501-1 (machine tools).
 
 #[cfg(feature = "opcua")]
@@ -13,6 +14,8 @@ mod adapter_state;
 mod alert_event;
 #[cfg(feature = "opcua")]
 pub mod certificates;
+#[cfg(feature = "opcua")]
+mod gatekeeper;
 #[cfg(feature = "opcua")]
 mod machine_tool;
 #[cfg(feature = "opcua")]

@@ -38,13 +38,13 @@ impl InMemoryNodeManagerImplBuilder for MachineBuilder {
     type Impl = MachineAddressSpace;
 
     fn build(self, context: ServerContext, space: &mut AddressSpace) -> MachineAddressSpace {
+        let mut fault = None;
         let indices = {
             let mut types = context.type_tree.write();
             for text in NODE_SETS {
                 match NodeSet2Import::new_str("en", text, Vec::new()) {
                     Ok(set) => space.import_node_set(&set, types.namespaces_mut()),
-                    // The files are part of the program: its tests read them.
-                    Err(error) => log_fault(&format!("node set: {error}")),
+                    Err(error) => fault = Some(format!("node set: {error}")),
                 }
             }
             NamespaceIndices(Namespace::ALL.map(|namespace| types.namespaces_mut().add_namespace(namespace.uri())))
@@ -58,11 +58,12 @@ impl InMemoryNodeManagerImplBuilder for MachineBuilder {
         };
         let nodes = Arc::new(machine_tool::create(space, indices, &self.state));
         let namespaces = space.namespaces().iter().map(of_namespace).collect();
-        MachineAddressSpace { nodes, namespaces }
+        MachineAddressSpace { nodes, namespaces, fault }
     }
 }
 
-fn log_fault(text: &str) {
+/// Writes a fault to the log.
+pub fn log_fault(text: &str) {
     use std::io::Write;
     // A log that cannot be written is no reason to end.
     drop(writeln!(std::io::stderr(), "kt830 opcua: {text}"));
@@ -72,6 +73,8 @@ fn log_fault(text: &str) {
 pub struct MachineAddressSpace {
     /// The machine.
     pub nodes: Arc<MachineNodes>,
+    /// What is wrong with a node set.
+    pub fault: Option<String>,
     namespaces: Vec<NamespaceMetadata>,
 }
 

@@ -1,10 +1,10 @@
 //! The server: waits for a control, shows it to clients, and begins anew when it is another machine or when nobody is
 //! connected any more.
 
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use opcua::crypto::SecurityPolicy;
 use opcua::nodes::Event;
@@ -21,17 +21,26 @@ use super::adapter_client::AdapterClient;
 use super::adapter_state::{AdapterEvent, AdapterState};
 use super::alert_event::AlertEvent;
 use super::certificates::{self, OWN_CERTIFICATE, PRIVATE_KEY};
+use super::gatekeeper;
 use super::machine_tool::MachineNodes;
-use super::node_manager::{EventFields, MachineBuilder, MachineNodeManager};
+use super::node_manager::{EventFields, MachineBuilder, MachineNodeManager, log_fault};
 
 /// Time between two trials to reach the control.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
-/// A server that nobody has used for so long begins anew if somebody had: the library keeps what clients subscribed to.
+/// A server that nobody has used for so long begins anew if somebody had.
 const LONGEST_IDLE: Duration = Duration::from_secs(60);
 /// A server that is to end has so long.
 const END_TIMEOUT: Duration = Duration::from_secs(5);
+/// Subscriptions after which a server begins anew even if somebody is connected.
+const MOST_SUBSCRIPTIONS: u32 = 100;
 /// Time between two looks whether somebody is connected.
 const LOOK_INTERVAL: Duration = Duration::from_secs(5);
+/// A control that has not said in this time who it is, is none, or an older one.
+const WELCOME_TIME: Duration = Duration::from_secs(10);
+/// After the last part of a welcome its alarms have come, too.
+const SETTLING_TIME: Duration = Duration::from_millis(500);
+/// The clock of the system may be so far from the one that runs on before the server begins anew with it.
+const CLOCK_TOLERANCE: Duration = Duration::from_secs(2);
 
 /// How a server is to be.
 #[derive(Clone, Debug)]
@@ -70,8 +79,7 @@ impl OpcUaServer {
     /// # Errors
     /// The certificate or the threads cannot be made.
     pub fn new(settings: OpcUaSettings) -> Result<Self, String> {
-        let hosts = vec![settings.host.clone()];
-        certificates::ensure_own(&settings.folder, &application_uri(&settings.host), hosts)?;
+        certificates::ensure_own(&settings.folder, &application_uri(&settings.host), &settings.host)?;
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build();
         Ok(Self { settings, runtime: runtime.map_err(|error| error.to_string())? })
     }
@@ -82,9 +90,11 @@ impl OpcUaServer {
     /// The port cannot be opened.
     pub fn serve(&self, is_over: &dyn Fn() -> bool, tell: TellState) -> Result<(), String> {
         let mut state = AdapterState::default();
+        let listening = self.runtime.block_on(TcpListener::bind(self.settings.listen));
+        let listener = Arc::new(listening.map_err(|error| format!("{}: {error}", self.settings.listen))?);
         while !is_over() {
             let Some(client) = self.first_contact(&mut state, is_over, tell) else { return Ok(()) };
-            let running = self.runtime.block_on(Running::start(&self.settings, &state))?;
+            let running = self.runtime.block_on(Running::start(&self.settings, Arc::clone(&listener), &state))?;
             let at = self.settings.listen.port();
             tell(&format!("{} at opc.tcp://{}:{at}/", state.identity.uuid, self.settings.host));
             let ended = self.follow(&running, client, &mut state, is_over, tell);
@@ -105,16 +115,11 @@ impl OpcUaServer {
     ) -> Option<AdapterClient> {
         let mut told = String::new();
         while !is_over() {
-            *state = AdapterState::default();
-            let tried = AdapterClient::connect(&self.settings.control).and_then(|mut client| {
-                while !state.is_complete() && !is_over() {
-                    client.lines()?.iter().for_each(|line| drop(state.take(line)));
+            match self.welcome(is_over) {
+                Ok((client, welcome)) => {
+                    *state = welcome;
+                    return Some(client);
                 }
-                Ok(client)
-            });
-            match tried {
-                Ok(client) if state.is_complete() => return Some(client),
-                Ok(_) => {}
                 Err(error) => {
                     let text = format!("no control at {}: {error}", self.settings.control);
                     if told != text {
@@ -128,6 +133,20 @@ impl OpcUaServer {
         None
     }
 
+    /// Connects to the control and takes its welcome, with the alarms that stand.
+    fn welcome(&self, is_over: &dyn Fn() -> bool) -> std::io::Result<(AdapterClient, AdapterState)> {
+        let mut client = AdapterClient::connect(&self.settings.control)?;
+        let (mut state, begun) = (AdapterState::default(), Instant::now());
+        let mut complete_at = None;
+        while !is_over() && begun.elapsed() < WELCOME_TIME {
+            client.lines()?.iter().for_each(|line| drop(state.take(line)));
+            if state.is_complete() && complete_at.get_or_insert_with(Instant::now).elapsed() >= SETTLING_TIME {
+                return Ok((client, state));
+            }
+        }
+        Err(std::io::Error::other("it does not say which machine it is: another service, or an older control?"))
+    }
+
     /// Shows what the control tells until the server is to end.
     fn follow(
         &self,
@@ -137,38 +156,70 @@ impl OpcUaServer {
         is_over: &dyn Fn() -> bool,
         tell: TellState,
     ) -> Ended {
-        let mut client = Some(client);
-        let identity = state.identity.clone();
-        let mut idle = IdleWatch::default();
+        let (mut client, mut idle) = (Some(client), IdleWatch::default());
         running.show(Some(state));
         while !is_over() {
-            let lines = match &mut client {
-                Some(connected) => connected.lines().ok(),
-                None => {
-                    std::thread::sleep(RETRY_INTERVAL);
-                    client = AdapterClient::connect(&self.settings.control).ok();
-                    if client.is_some() {
-                        running.forget(state);
+            match client.as_mut().map(AdapterClient::lines) {
+                Some(Ok(lines)) => {
+                    let identity = state.identity.clone();
+                    running.take(&lines, state);
+                    if state.identity != identity {
+                        return Ended::Renew;
                     }
-                    client.as_ref().map(|_| Vec::new())
                 }
-            };
-            match lines {
-                Some(lines) => running.take(&lines, state),
-                None if client.take().is_some() => {
+                Some(Err(_)) => {
+                    client = None;
                     tell("the control is silent");
                     running.show(None);
                 }
-                None => {}
+                None => {
+                    std::thread::sleep(RETRY_INTERVAL);
+                    if let Ok((connected, welcome)) = self.welcome(is_over) {
+                        if welcome.identity != state.identity {
+                            return Ended::Renew;
+                        }
+                        running.change_to(welcome, state);
+                        client = Some(connected);
+                    }
+                }
             }
-            let is_other = state.is_complete() && state.identity != identity;
-            if is_other || idle.is_over(running) {
+            if running.clock.is_wrong() || idle.is_over(running) {
                 return Ended::Renew;
             }
-            certificates::limit_rejected(&self.settings.folder);
         }
         Ended::Over
     }
+}
+
+/// A clock that never runs back: the library holds values with an older time back.
+struct SteadyClock {
+    wall: Duration,
+    begun: Instant,
+}
+
+impl SteadyClock {
+    fn new() -> Self {
+        Self { wall: time_of_day(), begun: Instant::now() }
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.wall + self.begun.elapsed()
+    }
+
+    fn now(&self) -> DateTime {
+        let time = self.elapsed();
+        let seconds = i64::try_from(time.as_secs()).unwrap_or(0);
+        chrono::DateTime::from_timestamp(seconds, time.subsec_nanos()).map_or_else(DateTime::now, DateTime::from)
+    }
+
+    /// Whether the clock of the system was set meanwhile.
+    fn is_wrong(&self) -> bool {
+        self.elapsed().abs_diff(time_of_day()) > CLOCK_TOLERANCE
+    }
+}
+
+fn time_of_day() -> Duration {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
 }
 
 /// Name of the application, as its certificate has it.
@@ -176,7 +227,8 @@ fn application_uri(host: &str) -> String {
     format!("urn:{host}:kt830:opcua")
 }
 
-/// Watches whether a server that was used is used no more.
+/// Watches whether a server that was used is used no more, or was used too much: the library keeps what clients have
+/// subscribed to.
 #[derive(Default)]
 struct IdleWatch {
     looked_at: Option<Instant>,
@@ -189,6 +241,10 @@ impl IdleWatch {
             return false;
         }
         self.looked_at = Some(Instant::now());
+        certificates::limit_rejected(&running.folder);
+        if running.subscriptions() >= MOST_SUBSCRIPTIONS {
+            return true;
+        }
         if running.sessions() > 0 || !running.was_used() {
             self.idle_since = None;
             return false;
@@ -201,28 +257,38 @@ impl IdleWatch {
 struct Running {
     handle: ServerHandle,
     task: JoinHandle<Result<(), String>>,
+    /// Lets clients through to it.
+    gate: JoinHandle<()>,
     manager: Arc<MachineNodeManager>,
     nodes: Arc<MachineNodes>,
+    clock: SteadyClock,
+    folder: PathBuf,
 }
 
 impl Running {
-    /// Opens the port.
-    async fn start(settings: &OpcUaSettings, state: &AdapterState) -> Result<Self, String> {
-        let listener =
-            TcpListener::bind(settings.listen).await.map_err(|error| format!("{}: {error}", settings.listen))?;
+    /// Begins to serve those who come to the port.
+    async fn start(settings: &OpcUaSettings, listener: Arc<TcpListener>, state: &AdapterState) -> Result<Self, String> {
+        let inner = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await.map_err(|error| error.to_string())?;
+        let address = inner.local_addr().map_err(|error| error.to_string())?;
         let builder = builder(settings)
             .with_node_manager(InMemoryNodeManagerBuilder::new(MachineBuilder { state: state.clone() }))
             .with_node_manager(|_: ServerContext| EventFields);
         let (server, handle) = builder.build()?;
         let manager = handle.node_managers().get_of_type::<MachineNodeManager>();
         let manager = manager.ok_or("the address space is missing")?;
+        if let Some(fault) = &manager.inner().fault {
+            return Err(fault.clone());
+        }
         let nodes = Arc::clone(&manager.inner().nodes);
-        let task = tokio::spawn(server.run_with(listener));
-        Ok(Self { handle, task, manager, nodes })
+        let task = tokio::spawn(server.run_with(inner));
+        let gate = tokio::spawn(gatekeeper::keep(listener, address));
+        let folder = settings.folder.clone();
+        Ok(Self { handle, task, gate, manager, nodes, clock: SteadyClock::new(), folder })
     }
 
-    /// Ends the connections and closes the port.
+    /// Ends the connections.
     async fn end(self) {
+        self.gate.abort();
         self.handle.cancel();
         let mut task = self.task;
         if tokio::time::timeout(END_TIMEOUT, &mut task).await.is_err() {
@@ -230,12 +296,24 @@ impl Running {
         }
     }
 
-    /// A connection begins: what was raised is over, and comes again if it is not.
-    fn forget(&self, state: &mut AdapterState) {
-        let over = state.restart();
-        let events: Vec<_> =
-            over.iter().map(|alarm| AlertEvent::of_alarm(&self.nodes, alarm, false, DateTime::now())).collect();
+    /// Another connection has told this: values, alarms that have come and gone meanwhile.
+    fn change_to(&self, welcome: AdapterState, state: &mut AdapterState) {
+        let changes = state.changes_to(&welcome);
+        let time = time_of(&welcome);
+        let events: Vec<_> = changes.into_iter().filter_map(|change| self.event_of(change, time)).collect();
+        *state = welcome;
+        self.show(Some(state));
         self.tell(&events);
+    }
+
+    fn event_of(&self, change: AdapterEvent, time: DateTime) -> Option<AlertEvent> {
+        Some(match change {
+            AdapterEvent::Value(_) => return None,
+            AdapterEvent::Message(text) if text.is_empty() => return None,
+            AdapterEvent::Message(text) => AlertEvent::of_message(&self.nodes, &text, time),
+            AdapterEvent::Raised(alarm) => AlertEvent::of_alarm(&self.nodes, &alarm, true, time),
+            AdapterEvent::Cleared(alarm) => AlertEvent::of_alarm(&self.nodes, &alarm, false, time),
+        })
     }
 
     fn tell(&self, events: &[AlertEvent]) {
@@ -249,14 +327,7 @@ impl Running {
         for line in lines {
             for event in state.take(line) {
                 is_changed = true;
-                let time = time_of(state);
-                match event {
-                    AdapterEvent::Value(_) => {}
-                    AdapterEvent::Message(text) if text.is_empty() => {}
-                    AdapterEvent::Message(text) => events.push(AlertEvent::of_message(&self.nodes, &text, time)),
-                    AdapterEvent::Raised(alarm) => events.push(AlertEvent::of_alarm(&self.nodes, &alarm, true, time)),
-                    AdapterEvent::Cleared(alarm) => events.push(AlertEvent::of_alarm(&self.nodes, &alarm, false, time)),
-                }
+                events.extend(self.event_of(event, time_of(state)));
             }
         }
         if is_changed {
@@ -267,12 +338,12 @@ impl Running {
 
     /// Shows the values of a control, or that there is none.
     fn show(&self, state: Option<&AdapterState>) {
-        let time = state.map_or_else(DateTime::now, time_of);
+        let time = self.clock.now();
         let values = self.nodes.variables.iter().map(|variable| {
             let value = state.and_then(|state| (variable.read)(state));
             let status = match (state, &value) {
                 (None, _) => StatusCode::BadNoCommunication,
-                (_, None) => StatusCode::BadWaitingForInitialData,
+                (_, None) => StatusCode::BadNoData,
                 _ => StatusCode::Good,
             };
             let value = DataValue {
@@ -280,19 +351,24 @@ impl Running {
                 value: Some(value.unwrap_or(Variant::Empty)),
                 status: Some(status),
                 source_timestamp: Some(time),
-                server_timestamp: Some(DateTime::now()),
+                server_timestamp: Some(time),
                 ..DataValue::default()
             };
             (&variable.id, None, value)
         });
-        // Every variable is in the address space.
-        let shown = self.manager.set_values(self.handle.subscriptions(), values);
-        debug_assert!(shown.is_ok(), "{shown:?}");
+        if let Err(status) = self.manager.set_values(self.handle.subscriptions(), values) {
+            log_fault(&format!("values: {status}"));
+        }
     }
 
     /// How many clients are connected.
     fn sessions(&self) -> u32 {
         self.count(VariableId::Server_ServerDiagnostics_ServerDiagnosticsSummary_CurrentSessionCount)
+    }
+
+    /// How many subscriptions there have been.
+    fn subscriptions(&self) -> u32 {
+        self.count(VariableId::Server_ServerDiagnostics_ServerDiagnosticsSummary_CumulatedSubscriptionCount)
     }
 
     /// Whether a client has ever been connected.
@@ -360,14 +436,15 @@ fn limits() -> Limits {
         max_array_length: 10_000,
         max_string_length: 65_535,
         max_byte_string_length: 1_024 * 1_024,
-        max_sessions: 50,
+        max_sessions: 100,
+        receive_buffer_size: gatekeeper::LONGEST_MESSAGE,
         subscriptions: SubscriptionLimits {
             max_subscriptions_per_session: 10,
             min_sampling_interval_ms: 50.0,
             min_publishing_interval_ms: 50.0,
             max_keep_alive_count: 1_000,
             max_lifetime_count: 3_000,
-            max_monitored_items_per_sub: 1_000,
+            max_monitored_items_per_sub: 500,
             max_monitored_item_queue_size: 1_000,
             max_notifications_per_publish: 1_000,
             ..SubscriptionLimits::default()
