@@ -3,10 +3,12 @@
 //! but orders that the operator has to accept.
 //! Off by factory: with port 0 nothing listens, and no broker is looked for.
 //! Files: `port_server` a port with bounded connections, `shdr` the lines of MTConnect, `shdr_server` the port of its
-//! agents, `mqtt` what a broker is told, `device_model` the model of the machine, `web` the view for a phone, `web_access` who
+//! agents, `mqtt` what a broker is told, `device_model` the model of the machine, `web` the view for a phone, `metrics` the
+//! same for Prometheus, `web_access` who
 //! may look at it from other computers, `picture_thread` who paints its picture, `wire` a stream with or without TLS.
 
 pub mod device_model;
+mod metrics;
 mod mqtt;
 #[cfg(any(feature = "opcua", test))]
 pub mod opcua;

@@ -8,6 +8,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::device_model::{device_model, device_uuid};
+use super::metrics::metrics;
 use super::port_server::{Connection, ConnectionState, PortLimits, PortServer};
 use super::timestamp;
 use super::web_access::WebAccess;
@@ -24,6 +25,8 @@ const MAX_HEADERS: usize = 64;
 const MAX_SIZES: usize = 50;
 /// A browser asks for the password then.
 const UNAUTHORIZED: &str = "401 Unauthorized\r\nWWW-Authenticate: Basic realm=\"KT-830\", charset=\"UTF-8\"";
+/// The text format of Prometheus.
+const METRICS_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
 /// The page.
 const PAGE: &str = include_str!("../../assets/web/index.html");
 /// Nothing but this server is asked by the page, and no other page may frame it.
@@ -132,6 +135,7 @@ fn answer(
                 None => response("503 Service Unavailable", "text/plain", b"no picture yet\n"),
             }
         }
+        ("GET", "/metrics") => response("200 OK", METRICS_TYPE, metrics(view.snapshot).as_bytes()),
         ("GET", "/Devices.xml") => {
             response("200 OK", "application/xml", device_model(view.snapshot, &timestamp(view.time)).as_bytes())
         }

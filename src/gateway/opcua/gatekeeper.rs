@@ -87,12 +87,11 @@ impl Connections {
     /// A place for another connection of an address; none if there are too many.
     fn enter(&self, address: IpAddr) -> Option<ConnectionPlace> {
         let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let all: usize = counts.values().sum();
-        let own = counts.entry(address).or_default();
-        if all >= MOST_CONNECTIONS || *own >= MOST_OF_ADDRESS {
+        let (all, own): (usize, usize) = (counts.values().sum(), counts.get(&address).copied().unwrap_or(0));
+        if all >= MOST_CONNECTIONS || own >= MOST_OF_ADDRESS {
             return None;
         }
-        *own += 1;
+        counts.insert(address, own + 1);
         Some(ConnectionPlace { connections: self.clone(), address })
     }
 }

@@ -1,5 +1,6 @@
 //! What a browser sees, and that it can only look.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use kt830::defs::part_verdict::PartVerdict;
 use kt830::gateway::{Gateway, Painter, set_viewer_password};
 use kt830::link::network::ServiceState;
 use kt830::link::snapshot::RunState;
+use kt830::units::Axis;
 use rustls::pki_types::CertificateDer;
 use rustls::pki_types::pem::PemObject;
 use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
@@ -176,6 +178,75 @@ fn slow_and_endless_requests_are_given_up() {
     drop(idle);
     shop.until_view("all have gone", |shop| shop.gateway.view().web.clients.is_empty());
     assert!(shop.get("/").0.starts_with("HTTP/1.1 200"));
+}
+
+/// The metrics of a machine, by their names with labels.
+fn metrics(shop: &mut Shop) -> BTreeMap<String, f64> {
+    let (head, body) = shop.get("/metrics");
+    assert!(head.contains("Content-Type: text/plain; version=0.0.4"), "{head}");
+    let text = String::from_utf8(body).unwrap();
+    let samples = text.lines().filter(|line| !line.starts_with('#'));
+    let read = samples.map(|line| line.rsplit_once(' ').map(|(name, value)| (name.to_owned(), value.parse().unwrap())));
+    read.collect::<Option<_>>().expect("a name and a value in each line")
+}
+
+#[test]
+fn prometheus_reads_the_state_the_values_and_the_alarms() {
+    let mut shop = Shop::with("P483", None);
+    set(&mut shop.snapshot, "P482", 123.0);
+    shop.snapshot.state = RunState::Running;
+    shop.snapshot.feed_mm_min = 120.0;
+    shop.snapshot.axes[Axis::X].homed = false;
+    shop.snapshot.alarms.push(raised(alarm::HYDRAULIC_PRESSURE));
+    let spoilt = PartVerdict::Spoilt(kt830::defs::part_defect::PartDefect::Burn);
+    shop.snapshot.production.parts = PartHistory::new([part(41, spoilt)], 1);
+    let told = metrics(&mut shop);
+    let machine = "machine=\"kt830-gc-000123\"";
+    let value = |name: &str, labels: &str| told.get(&format!("{name}{{{machine}{labels}}}")).copied();
+    assert_eq!(value("kt830_execution", ",state=\"ACTIVE\""), Some(1.0));
+    assert_eq!(value("kt830_execution", ",state=\"READY\""), Some(0.0));
+    // 120 mm/min are 2 mm/s; what is not known is not told.
+    assert_eq!(value("kt830_value", ",item=\"feed\",units=\"MILLIMETER/SECOND\""), Some(2.0));
+    assert_eq!(value("kt830_value", ",item=\"x_work\",units=\"MILLIMETER\""), None);
+    assert_eq!(value("kt830_alarm", ",number=\"180\",level=\"FAULT\""), Some(1.0));
+    assert_eq!((value("kt830_parts_total", ""), value("kt830_last_part_bad", "")), (Some(41.0), Some(1.0)));
+    for state in [
+        RunState::Idle,
+        RunState::Running,
+        RunState::Held,
+        RunState::Stopped,
+        RunState::Waiting,
+        RunState::Homing,
+        RunState::Alarm,
+    ] {
+        shop.snapshot.state = state;
+        let told = metrics(&mut shop);
+        let ones = told.iter().filter(|(name, value)| name.starts_with("kt830_execution") && **value > 0.5);
+        assert_eq!(ones.count(), 1, "{state:?}");
+    }
+}
+
+/// The examples in `docs/shop` ask for what the control tells.
+#[test]
+fn the_dashboards_ask_for_metrics_and_items_that_there_are() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/shop/grafana/dashboards/kt830.json");
+    let dashboard = std::fs::read_to_string(folder).unwrap();
+    let read: serde_json::Value = serde_json::from_str(&dashboard).unwrap();
+    assert!(read["panels"].as_array().is_some_and(|panels| panels.len() >= 5), "panels");
+    let mut shop = Shop::with("P483", None);
+    shop.snapshot.alarms.push(raised(alarm::HYDRAULIC_PRESSURE));
+    shop.snapshot.production.parts = PartHistory::new([part(41, PartVerdict::Good)], 1);
+    let told = metrics(&mut shop);
+    let names: BTreeSet<&str> = told.keys().map(|name| name.split('{').next().unwrap()).collect();
+    let is_word = |sign: char| sign.is_ascii_alphanumeric() || sign == '_';
+    let asked: BTreeSet<&str> =
+        dashboard.split(|sign| !is_word(sign)).filter(|word| word.starts_with("kt830_")).collect();
+    assert_eq!(asked, names, "every metric is shown");
+    let items: BTreeSet<String> = kt830::link::data_item::all_data_items().map(|item| item.id()).collect();
+    for asked in dashboard.split("item=\\\"").skip(1) {
+        let item = asked.split('\\').next().unwrap();
+        assert!(items.contains(item), "there is no item {item}");
+    }
 }
 
 /// A view for other computers.
