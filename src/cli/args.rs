@@ -239,8 +239,9 @@ pub struct FleetArgs {
 /// `kt830 web-access`
 #[derive(Debug, ClapArgs)]
 pub struct WebAccessArgs {
-    /// Names and addresses under which browsers reach this computer, for the certificate that is made if there is none
-    #[arg(value_name = "HOST", default_value = "localhost")]
+    /// Names and addresses under which browsers reach this computer, for the certificate of the control [default: localhost
+    /// if there is no certificate yet]
+    #[arg(value_name = "HOST")]
     pub hosts: Vec<String>,
 }
 

@@ -81,7 +81,8 @@ fn tick_times(executions: &Histogram) -> String {
 /// The password makes no sense, or a file cannot be written.
 pub fn set_web_access(shared: &SharedArgs, call: &WebAccessArgs) -> Result<u8, CallError> {
     let folder = setup::data_dir(shared)?.root().to_path_buf();
-    set_viewer_password(&folder, &password_line()?, call.hosts.clone()).map_err(CallError::new)?;
+    let done = set_viewer_password(&folder, &password_line()?, call.hosts.clone()).map_err(CallError::new)?;
+    print_line(format!("{done} in {}", folder.display()));
     Ok(SUCCESS)
 }
 

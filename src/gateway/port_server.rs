@@ -124,7 +124,7 @@ impl PortServer {
                 answer(connection);
             }
             let sends = connection.send() && connection.shut(now);
-            if !sends || !hears && connection.pending.is_empty() {
+            if !sends || !hears && connection.pending.is_empty() && connection.wire.is_flushed() {
                 return false;
             }
             let fits = connection.pending.len() <= limits.pending && connection.received.len() <= limits.received;

@@ -2,6 +2,7 @@
 //! of the data directory. Passwords are tried on a thread of their own, one at a time.
 //! Source: docs/manual, chapter "network"; RFC 7617 (basic authentication).
 
+use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -9,7 +10,8 @@ use std::time::Duration;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use rcgen::{CertificateParams, KeyPair};
+use chrono::Datelike;
+use rcgen::{CertificateParams, DistinguishedName, DnType, ExtendedKeyUsagePurpose, KeyPair};
 use rustls::ServerConfig;
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
@@ -25,10 +27,14 @@ const FILE: &str = "web.ron";
 /// Certificate and key that the control makes for itself.
 const CERTIFICATE: &str = "web.pem";
 const KEY: &str = "web.key";
+/// A certificate of the control is valid for so long, days.
+const VALID_DAYS: i64 = 820;
 /// Longest password, bytes.
 const LONGEST: usize = 200;
 /// After a wrong password no other is tried for so long.
 const PENALTY: Duration = Duration::from_secs(1);
+/// Headers that are remembered: viewers may call themselves as they like.
+const MOST_ADMITTED: usize = 16;
 /// The scheme of a request's header.
 const SCHEME: &str = "Basic ";
 
@@ -85,32 +91,55 @@ impl WebAccess {
     }
 }
 
-/// Sets the password of the viewers; without a certificate the control makes one for these names of this computer.
+/// Sets the password of the viewers. The control makes a certificate for these names of this computer if there is none, and
+/// anew where names are given and the certificate is its own. Returns what was done, in words.
 ///
 /// # Errors
-/// The password is empty or too long, or a file cannot be written.
-pub fn set_viewer_password(folder: &Path, secret: &str, hosts: Vec<String>) -> Result<(), String> {
+/// The password is empty or too long, the certificate is that of somebody else, or a file cannot be written.
+pub fn set_viewer_password(folder: &Path, secret: &str, hosts: Vec<String>) -> Result<&'static str, String> {
     if secret.is_empty() || secret.len() > LONGEST {
         return Err(format!("the password has 1 to {LONGEST} bytes"));
     }
     let viewer = password::hash(secret).map_err(|error| error.to_string())?;
     let path = folder.join(FILE);
-    let file = match ron_file::read::<AccessFile>(&path, ChecksumPolicy::Lenient) {
-        Ok(read) => AccessFile { viewer, ..read.value },
-        Err(RonError::Missing(_)) => {
+    let (file, done) = match ron_file::read::<AccessFile>(&path, ChecksumPolicy::Lenient) {
+        Ok(read) if hosts.is_empty() => (AccessFile { viewer, ..read.value }, "password changed"),
+        Ok(read) if read.value.certificate == CERTIFICATE && read.value.key == KEY => {
             make_certificate(folder, hosts)?;
-            AccessFile { certificate: CERTIFICATE.to_owned(), key: KEY.to_owned(), viewer }
+            (AccessFile { viewer, ..read.value }, "password changed, certificate made anew")
+        }
+        Ok(_) => return Err(format!("{FILE} names a certificate of your own: call it without names")),
+        Err(RonError::Missing(_)) if [CERTIFICATE, KEY].iter().any(|name| folder.join(name).exists()) => {
+            return Err(format!("{CERTIFICATE} or {KEY} is there without {FILE}: remove it, or give it another name"));
+        }
+        Err(RonError::Missing(_)) => {
+            make_certificate(folder, if hosts.is_empty() { vec!["localhost".to_owned()] } else { hosts })?;
+            let (certificate, key) = (CERTIFICATE.to_owned(), KEY.to_owned());
+            (AccessFile { certificate, key, viewer }, "password set, certificate made")
         }
         Err(error) => return Err(error.to_string()),
     };
-    ron_file::write(&path, ChecksumPolicy::Lenient, &file).map_err(|error| error.to_string())
+    ron_file::write(&path, ChecksumPolicy::Lenient, &file).map_err(|error| error.to_string())?;
+    Ok(done)
 }
 
-/// A certificate that nobody else vouches for: a browser asks once whether it is to be trusted.
+/// A certificate that nobody else vouches for: a browser asks once whether it is to be trusted. Browsers take none that is
+/// valid for longer.
 fn make_certificate(folder: &Path, hosts: Vec<String>) -> Result<(), String> {
-    let key = KeyPair::generate().map_err(|error| error.to_string())?;
-    let certificate = CertificateParams::new(hosts).and_then(|params| params.self_signed(&key));
-    let certificate = certificate.map_err(|error| error.to_string())?;
+    let in_words = |error: rcgen::Error| error.to_string();
+    let key = KeyPair::generate().map_err(in_words)?;
+    let mut params = CertificateParams::new(hosts.clone()).map_err(in_words)?;
+    let today = chrono::Utc::now().date_naive();
+    let day = |days: i64| {
+        let date = today + chrono::Duration::days(days);
+        let (month, day) = (date.month() as u8, date.day() as u8);
+        rcgen::date_time_ymd(date.year(), month, day)
+    };
+    (params.not_before, params.not_after) = (day(-1), day(VALID_DAYS));
+    params.distinguished_name = DistinguishedName::new();
+    params.distinguished_name.push(DnType::CommonName, hosts.first().map_or("KT-830", String::as_str));
+    params.extended_key_usages = vec![ExtendedKeyUsagePurpose::ServerAuth];
+    let certificate = params.self_signed(&key).map_err(in_words)?;
     for (name, text) in [(KEY, key.serialize_pem()), (CERTIFICATE, certificate.pem())] {
         write_private(&folder.join(name), text.as_bytes()).map_err(|error| error.to_string())?;
     }
@@ -120,8 +149,8 @@ fn make_certificate(folder: &Path, hosts: Vec<String>) -> Result<(), String> {
 /// Lets viewers in by their password.
 struct ViewerGate {
     hash: Arc<str>,
-    /// The header that was let in last: it is not hashed again.
-    admitted: Option<Vec<u8>>,
+    /// The headers that were let in last: they are not hashed again.
+    admitted: VecDeque<Vec<u8>>,
     trial: Option<(Vec<u8>, JoinHandle<bool>)>,
     /// The header that was refused last, and until when no other is tried.
     refused: Option<(Vec<u8>, Duration)>,
@@ -129,13 +158,13 @@ struct ViewerGate {
 
 impl ViewerGate {
     fn new(hash: String) -> Self {
-        Self { hash: hash.into(), admitted: None, trial: None, refused: None }
+        Self { hash: hash.into(), admitted: VecDeque::new(), trial: None, refused: None }
     }
 
     fn admits(&mut self, authorization: Option<&[u8]>, now: Duration) -> Option<bool> {
         let Some(header) = authorization else { return Some(false) };
         self.take_trial(now);
-        if self.admitted.as_deref().is_some_and(|admitted| is_same(admitted, header)) {
+        if self.admitted.iter().any(|admitted| is_same(admitted, header)) {
             return Some(true);
         }
         if let Some((refused, until)) = &self.refused {
@@ -160,7 +189,10 @@ impl ViewerGate {
     fn take_trial(&mut self, now: Duration) {
         if let Some((header, trial)) = self.trial.take_if(|(_, trial)| trial.is_finished()) {
             match trial.join() {
-                Ok(true) => self.admitted = Some(header),
+                Ok(true) => {
+                    self.admitted.truncate(MOST_ADMITTED - 1);
+                    self.admitted.push_front(header);
+                }
                 Ok(false) | Err(_) => self.refused = Some((header, now + PENALTY)),
             }
         }

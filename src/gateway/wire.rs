@@ -1,19 +1,18 @@
-//! A stream to the other side, encrypted or not. All calls return at once.
+//! A stream to the other side, encrypted or not. All calls return at once, after a bounded piece of work: whoever sends
+//! without end is not listened to for longer than the others.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::sync::Arc;
 
-use rustls::{ClientConnection, ServerConfig, ServerConnection, StreamOwned};
+use rustls::{Connection, ServerConfig, ServerConnection};
 
 /// A stream.
 pub enum Wire {
     /// As it is.
     Plain(TcpStream),
-    /// In TLS, to a server.
-    ToServer(Box<StreamOwned<ClientConnection, TcpStream>>),
-    /// In TLS, from a client.
-    ToClient(Box<StreamOwned<ServerConnection, TcpStream>>),
+    /// In TLS.
+    Tls(Box<Connection>, TcpStream),
 }
 
 impl Wire {
@@ -24,23 +23,33 @@ impl Wire {
     pub fn from_client(stream: TcpStream, tls: Option<&Arc<ServerConfig>>) -> Result<Self, rustls::Error> {
         Ok(match tls {
             None => Self::Plain(stream),
-            Some(config) => {
-                let session = ServerConnection::new(Arc::clone(config))?;
-                Self::ToClient(Box::new(StreamOwned::new(session, stream)))
-            }
+            Some(config) => Self::Tls(Box::new(ServerConnection::new(Arc::clone(config))?.into()), stream),
         })
     }
 
-    /// Reads what has come; what waits to be sent goes on its way, too.
+    /// Reads what has come; what waits to be sent goes on its way, too. In TLS one piece is taken from the system: records
+    /// without content keep nobody here.
     ///
     /// # Errors
     /// As `Read::read`; `WouldBlock` where nothing has come.
     pub fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        match self {
-            Self::Plain(stream) => stream.read(bytes),
-            Self::ToServer(stream) => stream.read(bytes),
-            Self::ToClient(stream) => stream.read(bytes),
+        let (session, stream) = match self {
+            Self::Plain(stream) => return stream.read(bytes),
+            Self::Tls(session, stream) => (session, stream),
+        };
+        send_records(session, stream)?;
+        match session.reader().read(bytes) {
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            read => return read,
         }
+        session.read_tls(stream)?;
+        if let Err(fault) = session.process_new_packets() {
+            // The other side is told why, if it still listens.
+            drop(send_records(session, stream));
+            return Err(std::io::Error::new(ErrorKind::InvalidData, fault));
+        }
+        send_records(session, stream)?;
+        session.reader().read(bytes)
     }
 
     /// Takes bytes to be sent.
@@ -48,10 +57,22 @@ impl Wire {
     /// # Errors
     /// As `Write::write`; `WouldBlock` where none is taken.
     pub fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let (session, stream) = match self {
+            Self::Plain(stream) => return stream.write(bytes),
+            Self::Tls(session, stream) => (session, stream),
+        };
+        send_records(session, stream)?;
+        let taken = session.writer().write(bytes)?;
+        send_records(session, stream)?;
+        if taken == 0 { Err(ErrorKind::WouldBlock.into()) } else { Ok(taken) }
+    }
+
+    /// Whether all that was taken is with the system.
+    #[must_use]
+    pub fn is_flushed(&self) -> bool {
         match self {
-            Self::Plain(stream) => stream.write(bytes),
-            Self::ToServer(stream) => stream.write(bytes),
-            Self::ToClient(stream) => stream.write(bytes),
+            Self::Plain(_) => true,
+            Self::Tls(session, _) => !session.wants_write(),
         }
     }
 
@@ -60,26 +81,31 @@ impl Wire {
     /// # Errors
     /// The connection is over.
     pub fn finish(&mut self) -> std::io::Result<bool> {
-        match self {
-            Self::Plain(stream) => stream.shutdown(Shutdown::Write).map(|()| true),
-            Self::ToServer(stream) => {
-                stream.conn.send_close_notify();
-                is_flushed(stream.flush())
+        let stream = match self {
+            Self::Plain(stream) => stream,
+            Self::Tls(session, stream) => {
+                session.send_close_notify();
+                send_records(session, stream)?;
+                if session.wants_write() {
+                    return Ok(false);
+                }
+                stream
             }
-            Self::ToClient(stream) => {
-                stream.conn.send_close_notify();
-                is_flushed(stream.flush()).and_then(|flushed| {
-                    if flushed { stream.sock.shutdown(Shutdown::Write).map(|()| true) } else { Ok(false) }
-                })
-            }
-        }
+        };
+        stream.shutdown(Shutdown::Write).map(|()| true)
     }
 }
 
-fn is_flushed(flushed: std::io::Result<()>) -> std::io::Result<bool> {
-    match flushed {
-        Ok(()) => Ok(true),
-        Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(false),
-        Err(error) => Err(error),
+/// Gives the system what it takes now.
+fn send_records(session: &mut Connection, stream: &mut TcpStream) -> std::io::Result<()> {
+    while session.wants_write() {
+        match session.write_tls(stream) {
+            Ok(0) => return Err(ErrorKind::WriteZero.into()),
+            Ok(_) => {}
+            Err(error) if error.kind() == ErrorKind::WouldBlock => return Ok(()),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
     }
+    Ok(())
 }

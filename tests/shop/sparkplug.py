@@ -42,7 +42,7 @@ class Listener:
 
     def __init__(self):
         self.lock = threading.Lock()
-        self.births, self.sequence, self.gaps = {}, {}, []
+        self.births, self.sequence, self.gaps, self.unsure = {}, {}, [], set()
         self.deaths, self.historical, self.bytes, self.messages = 0, 0, 0, 0
         self.raised, self.cleared = set(), set()
         self.parts = defaultdict(list)
@@ -58,9 +58,10 @@ class Listener:
 
     def on_connect(self, client, userdata, flags, code):
         client.subscribe([("spBv1.0/#", 0), ("kt830/#", 1)])
-        # What was missed while it was away is not a gap.
+        # What was missed while it was away is not a gap; a machine may have been born meanwhile.
         with self.lock:
             self.sequence.clear()
+            self.unsure = set(self.births)
 
     def on_message(self, client, userdata, message):
         now = time.time()
@@ -84,6 +85,7 @@ class Listener:
             birth = pysparkplug.NBirth.decode(message.payload)
             assert birth.seq == 0, birth.seq
             self.births[node], self.sequence[node] = birth, 0
+            self.unsure.discard(node)
         elif kind == "NDATA" and node in self.births:
             data = pysparkplug.NData.decode(message.payload, birth=self.births[node])
             if node in self.sequence and data.seq != (self.sequence[node] + 1) % 256:
@@ -99,7 +101,7 @@ class Listener:
             death = pysparkplug.NDeath.decode(message.payload)
             born = next((metric.value for metric in self.births[node].metrics if metric.name == "bdSeq"), None)
             # A death of an earlier connection may come after the birth of the next one.
-            assert (born - death.bd_seq_metric.value) % 256 <= 1, (node, born, death)
+            assert node in self.unsure or (born - death.bd_seq_metric.value) % 256 <= 1, (node, born, death)
             self.deaths += 1
 
 

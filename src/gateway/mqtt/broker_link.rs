@@ -13,7 +13,7 @@ use mqtt_protocol_core::mqtt::packet::{Packet, Qos, SubEntry, SubOpts};
 use mqtt_protocol_core::mqtt::prelude::*;
 use mqtt_protocol_core::mqtt::result_code::{ConnectReturnCode, MqttError};
 use mqtt_protocol_core::mqtt::{Connection, Version, role};
-use rustls::{ClientConnection, StreamOwned};
+use rustls::ClientConnection;
 
 use super::broker_settings::TlsEnds;
 use crate::defs::text::{LocalizedText, Text};
@@ -107,7 +107,7 @@ impl BrokerLink {
             None => Wire::Plain(stream),
             Some(TlsEnds { config, name }) => {
                 let session = ClientConnection::new(config, name).map_err(in_words)?;
-                Wire::ToServer(Box::new(StreamOwned::new(session, stream)))
+                Wire::Tls(Box::new(session.into()), stream)
             }
         };
         let connect = connect_packet(login).map_err(in_words)?;

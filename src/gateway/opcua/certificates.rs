@@ -86,6 +86,13 @@ pub fn trusted(folder: &Path) -> Vec<ClientCertificate> {
     certificates(&folder.join(TRUSTED))
 }
 
+/// Whether these bytes are a certificate that is trusted.
+#[must_use]
+pub fn is_trusted(folder: &Path, certificate: &[u8]) -> bool {
+    let files = fs::read_dir(folder.join(TRUSTED)).into_iter().flatten().flatten();
+    !certificate.is_empty() && files.filter_map(|entry| fs::read(entry.path()).ok()).any(|bytes| bytes == certificate)
+}
+
 fn certificates(folder: &Path) -> Vec<ClientCertificate> {
     let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let read = files.filter_map(|path| {

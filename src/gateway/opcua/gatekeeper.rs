@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -12,13 +13,15 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::timeout;
 
+use super::certificates::is_trusted;
+
 /// Most connections, and of one address.
 const MOST_CONNECTIONS: usize = 100;
 const MOST_OF_ADDRESS: usize = 10;
 /// After a connection that the system could not give, ms: it has no descriptors left.
 const PAUSE: Duration = Duration::from_millis(200);
-/// A stranger may ask for the endpoints for so long.
-const DISCOVERY_TIME: Duration = Duration::from_secs(30);
+/// A stranger may ask for the endpoints, or be refused, for so long.
+const STRANGER_TIME: Duration = Duration::from_secs(30);
 /// Longest message that is taken, bytes.
 pub const LONGEST_MESSAGE: usize = 65_535;
 /// Type, kind of chunk and size of a message.
@@ -39,36 +42,47 @@ enum Security {
     Unknown,
     /// Not at all: for discovery.
     Discovery,
-    /// Signed and encrypted.
-    Secured,
+    /// With a policy that is offered, and a certificate that nobody has trusted: it is told so, and no more.
+    Stranger,
+    /// With a certificate that is trusted.
+    Trusted,
 }
 
 impl Security {
     /// Whether a message may pass, and how the connection is secured after it.
-    fn after(self, message: &[u8]) -> Option<Self> {
+    fn after(self, message: &[u8], is_trusted: &dyn Fn(&[u8]) -> bool) -> Option<Self> {
         match (message.get(..3)?, self) {
             (b"HEL", Self::Unknown) => Some(self),
             (b"OPN", _) => {
-                let asked = policy(message)?;
-                (self == Self::Unknown || self == asked).then_some(asked)
+                let asked = asked_security(message, is_trusted)?;
+                let was_plain = self == Self::Discovery;
+                (self == Self::Unknown || was_plain == (asked == Self::Discovery)).then_some(asked)
             }
             (b"MSG", Self::Discovery) => is_discovery(message).then_some(self),
-            (b"MSG", Self::Secured) | (b"CLO", Self::Discovery | Self::Secured) => Some(self),
+            (b"MSG", Self::Stranger | Self::Trusted) => Some(self),
+            (b"CLO", Self::Discovery | Self::Stranger | Self::Trusted) => Some(self),
             _ => None,
         }
     }
 }
 
-/// The policy that an OPN message asks for; none for one that is not offered.
-fn policy(message: &[u8]) -> Option<Security> {
-    let length = message.get(POLICY_AT..POLICY_AT + 4)?;
-    let length = usize::try_from(i32::from_le_bytes(length.try_into().ok()?)).ok()?;
-    let name = std::str::from_utf8(message.get(POLICY_AT + 4..)?.get(..length)?).ok()?;
-    match name.strip_prefix(POLICY)? {
+/// What an OPN message asks for by its policy and certificate; none for a policy that is not offered.
+fn asked_security(message: &[u8], is_trusted: &dyn Fn(&[u8]) -> bool) -> Option<Security> {
+    let (name, rest) = split_string(message.get(POLICY_AT..)?)?;
+    match std::str::from_utf8(name).ok()?.strip_prefix(POLICY)? {
         "None" => Some(Security::Discovery),
-        "Basic256Sha256" | "Aes256_Sha256_RsaPss" => Some(Security::Secured),
+        "Basic256Sha256" | "Aes256_Sha256_RsaPss" => {
+            let (certificate, _) = split_string(rest)?;
+            Some(if is_trusted(certificate) { Security::Trusted } else { Security::Stranger })
+        }
         _ => None,
     }
+}
+
+/// The first string of bytes, which begins with its length, and what follows it.
+fn split_string(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = bytes.split_first_chunk::<4>()?;
+    rest.split_at_checked(usize::try_from(i32::from_le_bytes(*length)).ok()?)
 }
 
 /// Whether a message in one piece, without encryption, is a question for servers or endpoints.
@@ -115,15 +129,16 @@ impl Drop for ConnectionPlace {
 }
 
 /// Lets connections through to the server for ever.
-pub async fn keep(listener: Arc<TcpListener>, server: SocketAddr) {
+pub async fn keep(listener: Arc<TcpListener>, server: SocketAddr, folder: PathBuf) {
     let connections = Connections::default();
     loop {
         match listener.accept().await {
             Ok((client, address)) => {
                 if let Some(place) = connections.enter(address.ip()) {
+                    let folder = folder.clone();
                     tokio::spawn(async move {
                         // Whatever ends a connection ends it for both sides.
-                        drop(serve(client, server).await);
+                        drop(serve(client, server, &folder).await);
                         drop(place);
                     });
                 }
@@ -133,7 +148,7 @@ pub async fn keep(listener: Arc<TcpListener>, server: SocketAddr) {
     }
 }
 
-async fn serve(client: TcpStream, server: SocketAddr) -> std::io::Result<()> {
+async fn serve(client: TcpStream, server: SocketAddr, folder: &Path) -> std::io::Result<()> {
     let inner = TcpStream::connect(server).await?;
     client.set_nodelay(true)?;
     inner.set_nodelay(true)?;
@@ -145,13 +160,14 @@ async fn serve(client: TcpStream, server: SocketAddr) -> std::io::Result<()> {
         loop {
             let read = read_message(&mut from_client, &mut message);
             match security {
-                Security::Secured => read.await?,
-                // It may last as long as discovery needs.
-                Security::Unknown | Security::Discovery => {
-                    timeout(DISCOVERY_TIME.saturating_sub(begun.elapsed()), read).await??;
+                Security::Trusted => read.await?,
+                Security::Unknown | Security::Discovery | Security::Stranger => {
+                    timeout(STRANGER_TIME.saturating_sub(begun.elapsed()), read).await??;
                 }
             }
-            security = security.after(&message).ok_or(std::io::ErrorKind::PermissionDenied)?;
+            security = security
+                .after(&message, &|certificate| is_trusted(folder, certificate))
+                .ok_or(std::io::ErrorKind::PermissionDenied)?;
             to_server.write_all(&message).await?;
         }
     };
@@ -180,7 +196,12 @@ mod tests {
     fn open(policy: &str) -> Vec<u8> {
         let name = format!("{POLICY}{policy}");
         let length = (name.len() as u32).to_le_bytes();
-        [b"OPNF".as_slice(), &[0; 8], &length, name.as_bytes()].concat()
+        [b"OPNF".as_slice(), &[0; 8], &length, name.as_bytes(), &4_u32.to_le_bytes(), b"cert"].concat()
+    }
+
+    /// Nobody is trusted.
+    fn after(security: Security, message: &[u8]) -> Option<Security> {
+        security.after(message, &|_| false)
     }
 
     fn service(number: u16) -> Vec<u8> {
@@ -189,29 +210,40 @@ mod tests {
 
     #[test]
     fn a_stranger_asks_for_endpoints_and_for_nothing_else() {
-        let begun = Security::Unknown.after(b"HELF\0\0\0\0").unwrap();
-        let discovery = begun.after(&open("None")).unwrap();
+        let begun = after(Security::Unknown, b"HELF\0\0\0\0").unwrap();
+        let discovery = after(begun, &open("None")).unwrap();
         assert_eq!(discovery, Security::Discovery);
-        assert_eq!(discovery.after(&service(428)), Some(Security::Discovery));
+        assert_eq!(after(discovery, &service(428)), Some(Security::Discovery));
         // CreateSession, Read, Browse; one in pieces; another policy in the same connection.
         for message in [service(461), service(631), service(527), open("Basic256Sha256"), b"HELF".to_vec()] {
-            assert_eq!(discovery.after(&message), None);
+            assert_eq!(after(discovery, &message), None);
         }
         let mut piece = service(428);
         piece[3] = b'C';
-        assert_eq!(discovery.after(&piece), None);
-        assert_eq!(discovery.after(b"CLOF"), Some(Security::Discovery));
+        assert_eq!(after(discovery, &piece), None);
+        assert_eq!(after(discovery, b"CLOF"), Some(Security::Discovery));
     }
 
     #[test]
     fn only_the_policies_that_are_offered_pass() {
         for old in ["Basic128Rsa15", "Basic256", "Aes128_Sha256_RsaOaep", "", "none"] {
-            assert_eq!(Security::Unknown.after(&open(old)), None, "{old}");
+            assert_eq!(after(Security::Unknown, &open(old)), None, "{old}");
         }
-        let secured = Security::Unknown.after(&open("Aes256_Sha256_RsaPss")).unwrap();
-        assert_eq!(secured, Security::Secured);
-        assert_eq!(secured.after(&service(461)), Some(Security::Secured));
-        assert_eq!(secured.after(&open("None")), None);
+        let stranger = after(Security::Unknown, &open("Aes256_Sha256_RsaPss")).unwrap();
+        assert_eq!(stranger, Security::Stranger);
+        assert_eq!(after(stranger, &service(461)), Some(Security::Stranger));
+        assert_eq!(after(stranger, &open("None")), None);
+    }
+
+    #[test]
+    fn a_trusted_certificate_makes_no_stranger_also_later() {
+        let trusts = |certificate: &[u8]| certificate == b"cert";
+        let stranger = after(Security::Unknown, &open("Basic256Sha256")).unwrap();
+        assert_eq!(stranger.after(&open("Basic256Sha256"), &trusts), Some(Security::Trusted));
+        assert_eq!(Security::Unknown.after(&open("Basic256Sha256"), &trusts), Some(Security::Trusted));
+        let mut cut = open("Basic256Sha256");
+        cut.truncate(cut.len() - 1);
+        assert_eq!(Security::Unknown.after(&cut, &trusts), None);
     }
 
     #[test]
@@ -219,9 +251,9 @@ mod tests {
         for message in
             [b"".as_slice(), b"MS", b"GET / HTTP/1.1", b"OPNF", b"OPNF\0\0\0\0\0\0\0\0\xff\xff\xff\xff", b"MSGF"]
         {
-            assert_eq!(Security::Unknown.after(message), None, "{message:?}");
+            assert_eq!(after(Security::Unknown, message), None, "{message:?}");
         }
-        assert_eq!(Security::Unknown.after(&service(428)), None, "without a channel");
+        assert_eq!(after(Security::Unknown, &service(428)), None, "without a channel");
     }
 
     #[test]

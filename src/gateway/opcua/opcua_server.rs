@@ -281,7 +281,7 @@ impl Running {
         }
         let nodes = Arc::clone(&manager.inner().nodes);
         let task = tokio::spawn(server.run_with(inner));
-        let gate = tokio::spawn(gatekeeper::keep(listener, address));
+        let gate = tokio::spawn(gatekeeper::keep(listener, address, settings.folder.clone()));
         let folder = settings.folder.clone();
         Ok(Self { handle, task, gate, manager, nodes, clock: SteadyClock::new(), folder })
     }

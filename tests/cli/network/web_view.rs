@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use base64::Engine;
@@ -367,4 +368,76 @@ fn without_a_password_nothing_is_opened_to_other_computers() {
         let mode = std::fs::metadata(folder.path().join(file)).unwrap().permissions().mode();
         assert_eq!(mode & 0o077, 0, "{file} is readable by others");
     }
+}
+
+#[test]
+fn the_certificate_is_made_anew_with_names_and_one_of_somebody_else_never() {
+    let folder = tempfile::tempdir().unwrap();
+    let certificate = || std::fs::read(folder.path().join("web.pem")).unwrap();
+    let set = |names: &[&str]| {
+        set_viewer_password(folder.path(), "correct horse", names.iter().map(|name| (*name).to_owned()).collect())
+    };
+    set(&["grinder12.example", "192.168.1.30"]).unwrap();
+    let first = certificate();
+    set(&[]).unwrap();
+    assert_eq!(certificate(), first, "the password alone");
+    set(&["grinder13.example"]).unwrap();
+    assert_ne!(certificate(), first);
+    let settings = folder.path().join("web.ron");
+    let text = std::fs::read_to_string(&settings).unwrap().replace("web.pem", "shop.pem");
+    std::fs::write(&settings, text).unwrap();
+    let refused = set(&["grinder14.example"]).unwrap_err();
+    assert!(refused.contains("of your own"), "{refused}");
+    set(&[]).unwrap();
+    assert!(std::fs::read_to_string(&settings).unwrap().contains("shop.pem"));
+    // Without its file nobody knows whose it is.
+    std::fs::remove_file(&settings).unwrap();
+    drop(std::fs::remove_file(settings.with_extension("ron.bak")));
+    assert!(set(&["grinder12.example"]).unwrap_err().contains("web.pem"));
+}
+
+/// Records of TLS without content, without end: the step of the gateway ends all the same.
+#[test]
+fn a_client_that_sends_without_end_keeps_nobody_up() {
+    let mut guarded = GuardedView::new();
+    let mut roots = RootCertStore::empty();
+    roots.add(CertificateDer::from_pem_file(guarded.folder.path().join("web.pem")).unwrap()).unwrap();
+    let config = ClientConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
+        .with_safe_default_protocol_versions()
+        .unwrap()
+        .with_root_certificates(roots)
+        .with_no_client_auth();
+    let mut session = ClientConnection::new(Arc::new(config), "localhost".try_into().unwrap()).unwrap();
+    let mut stream = guarded.shop.connect();
+    let begun = Instant::now();
+    while session.is_handshaking() {
+        assert!(begun.elapsed() < DEADLINE, "no handshake");
+        while session.wants_write() && session.write_tls(&mut stream).is_ok() {}
+        guarded.shop.step();
+        if session.read_tls(&mut stream).is_ok() {
+            session.process_new_packets().unwrap();
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Updates of the key, without content and without end, while somebody else asks.
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let flood = scope.spawn(|| {
+            let mut count = 0_u32;
+            while !over.load(Ordering::Relaxed) && session.refresh_traffic_keys().is_ok() {
+                while session.wants_write() && !over.load(Ordering::Relaxed) {
+                    match session.write_tls(&mut stream) {
+                        Err(error) if error.kind() != ErrorKind::WouldBlock => return count,
+                        _ => {}
+                    }
+                }
+                count += 1;
+            }
+            count
+        });
+        let answer = guarded.ask(Some("correct horse"));
+        assert!(answer.starts_with("HTTP/1.1 200 "), "{answer}");
+        over.store(true, Ordering::Relaxed);
+        assert!(flood.join().unwrap() > 10, "no flood");
+    });
 }
