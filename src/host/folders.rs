@@ -529,8 +529,8 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
         |error: ImageError| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}"));
     let decoded = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Bmp).decode().map_err(damaged)?;
     let mut png = Vec::new();
-    // Drawings compress as well without filters, and every start of the control encodes them all.
-    let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::NoFilter);
+    // One filter for all lines: as small as with one chosen for each, in a quarter of the time of each start.
+    let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Paeth);
     decoded.to_rgb8().write_with_encoder(encoder).map_err(damaged)?;
     png.shrink_to_fit();
     Ok(Picture(png))
