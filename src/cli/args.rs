@@ -262,6 +262,9 @@ pub enum OpcUaTask {
     AddUser {
         /// The name
         name: String,
+        /// The user may propose orders to the operator
+        #[arg(long)]
+        orders: bool,
     },
     /// Let a user in no more
     RemoveUser {

@@ -27,7 +27,7 @@ use crate::host::folders::{ProgramUse, named_programs_beside, page_text_faults, 
 use crate::host::headless_run::RunEnd;
 use crate::host::picture_labels::parse_picture_labels;
 use crate::io::sim::PartFile;
-use crate::link::command::FileFault;
+use crate::link::screens::FileFault;
 use crate::link::toolpath::CycleTime;
 use crate::nc::program_uses::text_row_faults;
 use crate::nc::{

@@ -20,9 +20,9 @@ pub fn opcua(shared: &SharedArgs, call: &OpcUaArgs) -> Result<u8, CallError> {
     std::fs::create_dir_all(&folder).map_err(CallError::at(folder.display()))?;
     match &call.task {
         OpcUaTask::Serve(call) => serve(&folder, call),
-        OpcUaTask::AddUser { name } => {
+        OpcUaTask::AddUser { name, orders } => {
             let secret = password_line()?;
-            change_users(&folder, |users| users.set(name, &secret))
+            change_users(&folder, |users| users.set(name, &secret, *orders))
         }
         OpcUaTask::RemoveUser { name } => change_users(&folder, |users| match users.remove(name) {
             true => Ok(()),
@@ -70,7 +70,9 @@ fn change_users(folder: &Path, change: impl FnOnce(&mut Users) -> Result<(), Str
 /// Prints who may connect and who tried to; failed where nobody may.
 fn status(folder: &Path) -> Result<u8, CallError> {
     let users = Users::read(folder).map_err(CallError::new)?;
-    users.names().for_each(|name| print_line(format!("user {name}")));
+    for (name, orders) in users.names() {
+        print_line(format!("user {name}{}", if orders { ", may propose orders" } else { "" }));
+    }
     let lists = [("trusted", certificates::trusted(folder)), ("refused", certificates::rejected(folder))];
     for (state, certificates) in lists {
         certificates.iter().for_each(|one| print_line(format!("{state} {} {}", one.thumbprint, one.subject)));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::defs::page_text::{self, PageTextFault};
 use crate::host::folders::parse_page_text;
-use crate::link::command::FileFault;
+use crate::link::screens::FileFault;
 use crate::store::{FileClass, FileContent, Folder, PAGE_TEXT, PAGE_TEXT_EN, decode, folder_of};
 
 /// Where a page text and the English text beside it do not fit (H9); either of them may be the checked file. A page

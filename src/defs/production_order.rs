@@ -18,6 +18,45 @@ pub const ORDER_NUMBERS: RangeInclusive<u32> = 1..=99_999_999;
 /// Parts of an order.
 pub const ORDER_TARGETS: RangeInclusive<u32> = 1..=999_999;
 
+/// Most values of an order.
+pub const MAX_ORDER_VALUES: usize = 8;
+
+/// Values of its program's page that an order asks for: sizes, tolerances, infeeds. They are in force once the operator has
+/// started it with them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OrderValues([Option<OrderValue>; MAX_ORDER_VALUES]);
+
+/// A value that an order asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OrderValue {
+    /// The variable.
+    pub variable: u16,
+    /// As the page shows it.
+    pub number: f64,
+}
+
+impl OrderValues {
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.iter().next().is_none()
+    }
+
+    /// The values.
+    pub fn iter(&self) -> impl Iterator<Item = OrderValue> + '_ {
+        self.0.iter().flatten().copied()
+    }
+
+    /// With one more; none if there are too many, or if it has that variable.
+    #[must_use]
+    pub fn with(mut self, value: OrderValue) -> Option<Self> {
+        let is_new = self.iter().all(|known| known.variable != value.variable);
+        let place = self.0.iter_mut().find(|place| place.is_none()).filter(|_| is_new)?;
+        *place = Some(value);
+        Some(self)
+    }
+}
+
 /// State of an order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum OrderState {
@@ -46,7 +85,7 @@ impl OrderState {
 }
 
 /// A production order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProductionOrder {
     /// Its number, as the shop gives it.
     pub number: u32,
@@ -62,6 +101,9 @@ pub struct ProductionOrder {
     pub state: OrderState,
     /// Serial number of the last part before it was entered: an older part of the same number is that of another order.
     pub after: u64,
+    /// What the shop asks for with it.
+    #[serde(default, skip_serializing_if = "OrderValues::is_empty")]
+    pub values: OrderValues,
 }
 
 impl ProductionOrder {

@@ -3,15 +3,17 @@
 //! but orders that the operator has to accept.
 //! Off by factory: with port 0 nothing listens, and no broker is looked for.
 //! Files: `port_server` a port with bounded connections, `shdr` the lines of MTConnect, `shdr_server` the port of its
-//! agents, `mqtt` what a broker is told, `device_model` the model of the machine, `web` the view for a phone, `metrics` the
+//! agents, `mqtt` what a broker is told, `order_inbox` orders of the shop, `device_model` the model of the machine, `web` the view for a phone, `metrics` the
 //! same for Prometheus, `web_access` who
-//! may look at it from other computers, `picture_thread` who paints its picture, `wire` a stream with or without TLS.
+//! may look at it from other computers, `picture_thread` who paints its picture, `wire` a stream with or without TLS, `certificate_end` until when a certificate is valid.
 
+mod certificate_end;
 pub mod device_model;
 mod metrics;
 mod mqtt;
 #[cfg(any(feature = "opcua", test))]
 pub mod opcua;
+mod order_inbox;
 mod picture_thread;
 mod port_server;
 pub mod shdr;
@@ -40,7 +42,7 @@ use self::web_access::WebAccess;
 pub use self::web_access::set_viewer_password;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
-use crate::link::network::{NetworkView, ServiceState, ServiceView};
+use crate::link::network::{NetworkView, ServiceState, ServiceView, TlsView};
 use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
@@ -64,6 +66,11 @@ pub fn timestamp(since_1970: Duration) -> String {
 /// A server that has a port.
 trait HasPort {
     fn port(&self) -> &PortServer;
+
+    /// How its connections are encrypted.
+    fn tls(&self) -> Option<TlsView> {
+        None
+    }
 }
 
 impl HasPort for ShdrServer {
@@ -75,6 +82,10 @@ impl HasPort for ShdrServer {
 impl HasPort for WebServer {
     fn port(&self) -> &PortServer {
         &self.port
+    }
+
+    fn tls(&self) -> Option<TlsView> {
+        self.tls()
     }
 }
 
@@ -130,14 +141,14 @@ impl<S: HasPort> Service<S> {
     /// What the page shows.
     fn view(&self) -> ServiceView {
         let wanted = if self.asked.0 == 0 { String::new() } else { format!(":{}", self.asked.0) };
-        let Some(port) = self.server.as_ref().map(HasPort::port) else {
+        let Some((port, tls)) = self.server.as_ref().map(|server| (server.port(), server.tls())) else {
             let state = self.failed.clone().map_or(ServiceState::Off, ServiceState::Failed);
             return ServiceView { state, address: wanted, ..ServiceView::default() };
         };
         let PortCounts { sent, refused, dropped } = port.counts();
         let clients = port.clients().map(|client| client.to_string()).collect();
         let address = port.address().map_or(wanted, |address| address.to_string());
-        ServiceView { state: ServiceState::Listening, address, clients, sent, refused, dropped }
+        ServiceView { state: ServiceState::Listening, address, clients, sent, refused, dropped, tls }
     }
 }
 
@@ -180,6 +191,8 @@ pub struct Gateway {
     pictures: Option<PictureThread>,
     /// The data directory.
     folder: Option<PathBuf>,
+    /// Where orders go.
+    proposals: Option<Sender<OrderProposal>>,
 }
 
 impl Gateway {
@@ -195,10 +208,11 @@ impl Gateway {
         Self { mqtt: Some(MqttClient::new(folder.clone())), folder: Some(folder), ..self }
     }
 
-    /// With orders of the broker, which go to a control as proposals.
+    /// With orders of the shop, which go to a control as proposals.
     #[must_use]
     pub fn with_orders(self, proposals: Sender<OrderProposal>) -> Self {
-        Self { mqtt: self.mqtt.map(|mqtt| mqtt.with_orders(proposals)), ..self }
+        let mqtt = self.mqtt.map(|mqtt| mqtt.with_orders(proposals.clone()));
+        Self { mqtt, proposals: Some(proposals), ..self }
     }
 
     /// Serves everybody. `now` runs on from any begin; `time` is the time of day.
@@ -206,7 +220,8 @@ impl Gateway {
         let port = |of| snapshot.params.get(of) as u16;
         let reaches_network = snapshot.params.get(param::NETWORK_REACH) > 0.0;
         let asked = (port(param::MTCONNECT_PORT), reaches_network);
-        let open = |port, reach| ShdrServer::open(port, reach).map_err(|error| why_closed(&error));
+        let proposals = self.proposals.clone();
+        let open = |port, reach| ShdrServer::open(port, reach, proposals).map_err(|error| why_closed(&error));
         self.mtconnect.serve(now, asked, open, |server| server.step(now, time, snapshot));
         let picture = self.pictures.as_ref().and_then(|pictures| pictures.newest(now));
         let view = WebView { snapshot, picture, time };

@@ -1,18 +1,23 @@
-//! The port to which agents of MTConnect connect. It sends, and understands one word: `* PING`. Nothing that is received
-//! reaches the control.
+//! The port to which agents of MTConnect connect. It sends, and understands `* PING`. Programs of the same computer, such
+//! as the OPC UA server, may ask for the list of orders (`* ORDERS`) and propose one (`* ORDER {…}`): the operator accepts
+//! it. Nothing else that is received reaches the control.
 //! Source: MTConnect Agent (cppagent), "Adapter Agent Protocol".
 
 use std::cell::Cell;
 use std::time::Duration;
 
+use crossbeam_channel::Sender;
+
+use super::order_inbox::{self, LONGEST_ORDER, OrderInbox};
 use super::port_server::{Connection, ConnectionState, PortLimits, PortServer};
 use super::shdr::ShdrLines;
 use super::timestamp;
+use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
 /// Most agents, what each may leave unread, its longest line, and how long it may take to its first ping.
 const LIMITS: PortLimits =
-    PortLimits { connections: 8, pending: 256 * 1_024, received: 1_024, patience: Duration::from_secs(60) };
+    PortLimits { connections: 8, pending: 256 * 1_024, received: 2 * LONGEST_ORDER, patience: Duration::from_secs(60) };
 /// Time between two looks at measured values: what trembles in its last digit does not fill the memory of an agent.
 const SAMPLE_INTERVAL: Duration = Duration::from_millis(100);
 /// An agent is to ping so often, ms.
@@ -25,18 +30,20 @@ pub struct ShdrServer {
     /// The port.
     pub port: PortServer,
     lines: ShdrLines,
+    inbox: OrderInbox,
     /// When measured values are looked at again.
     sample_at: Duration,
 }
 
 impl ShdrServer {
-    /// Listens at a port, on this computer alone or on all its networks.
+    /// Listens at a port, on this computer alone or on all its networks; orders go to a control.
     ///
     /// # Errors
     /// The port is in use or not allowed.
-    pub fn open(port: u16, reaches_network: bool) -> std::io::Result<Self> {
+    pub fn open(port: u16, reaches_network: bool, orders: Option<Sender<OrderProposal>>) -> std::io::Result<Self> {
         let port = PortServer::open(port, reaches_network, LIMITS)?;
-        Ok(Self { port, lines: ShdrLines::default(), sample_at: Duration::ZERO })
+        let inbox = orders.map(OrderInbox::new).unwrap_or_default();
+        Ok(Self { port, lines: ShdrLines::default(), inbox, sample_at: Duration::ZERO })
     }
 
     /// Tells what has changed, takes new agents, answers pings. `time` is the time of day.
@@ -55,18 +62,29 @@ impl ShdrServer {
             told.set(told.get() + everything.lines().count());
             everything.into_bytes()
         };
-        self.port.step(now, welcome, |agent| answer(agent, now));
+        let inbox = &mut self.inbox;
+        self.port.step(now, welcome, |agent| answer(agent, now, inbox, snapshot));
         self.port.count_sent(told.get() as u64);
     }
 }
 
-/// Answers the pings of an agent; one that has pinged is to go on.
-fn answer(agent: &mut Connection, now: Duration) {
+/// Answers the pings of an agent, and who speaks of orders; one that has pinged is to go on.
+fn answer(agent: &mut Connection, now: Duration, inbox: &mut OrderInbox, snapshot: &Snapshot) {
     while let Some(end) = agent.received.iter().position(|byte| *byte == b'\n') {
         let line: Vec<u8> = agent.received.drain(..=end).collect();
-        if line.trim_ascii() == b"* PING" {
+        let line = line.trim_ascii();
+        let is_near = agent.address.ip().is_loopback();
+        if line == b"* PING" {
             agent.pending.extend_from_slice(format!("* PONG {HEARTBEAT_MS}\n").as_bytes());
             (agent.deadline, agent.state) = (now + LONGEST_SILENCE, ConnectionState::Proven);
+        } else if line == b"* ORDERS" && is_near {
+            agent.pending.extend_from_slice(format!("* orders: {}\n", order_inbox::list(snapshot)).as_bytes());
+        } else if let Some(order) = line.strip_prefix(b"* ORDER ") {
+            let answer = match is_near {
+                true => inbox.take(now, order, snapshot),
+                false => order_inbox::answer(None, Err("orders come from programs of the same computer".to_owned())),
+            };
+            agent.pending.extend_from_slice(format!("* order: {answer}\n").as_bytes());
         }
     }
 }

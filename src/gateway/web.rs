@@ -14,6 +14,7 @@ use super::timestamp;
 use super::web_access::WebAccess;
 use crate::link::condition::level;
 use crate::link::data_item::{DataItem, ItemValue, data_items};
+use crate::link::network::TlsView;
 use crate::link::snapshot::{AlarmView, Snapshot};
 
 /// Most clients, what each may leave unread, its longest request, and how long it may take for both.
@@ -67,6 +68,11 @@ impl WebServer {
             None => port,
         };
         Ok(Self { port, access, picture_wanted: false })
+    }
+
+    /// How its connections are encrypted.
+    pub fn tls(&self) -> Option<TlsView> {
+        self.access.as_ref().map(|access| TlsView { valid_until: access.valid_until })
     }
 
     /// Answers what has been asked.

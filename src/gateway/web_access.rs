@@ -17,7 +17,9 @@ use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use serde::{Deserialize, Serialize};
 
+use super::certificate_end::certificate_end;
 use super::in_words;
+use crate::defs::date::DateTime;
 use crate::defs::text::{LocalizedText, Text};
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 use crate::store::{password, write_private};
@@ -53,6 +55,8 @@ struct AccessFile {
 pub struct WebAccess {
     /// How connections are encrypted.
     pub config: Arc<ServerConfig>,
+    /// When its certificate ends.
+    pub valid_until: Option<DateTime>,
     gate: ViewerGate,
 }
 
@@ -76,13 +80,14 @@ impl WebAccess {
             CertificateDer::pem_file_iter(folder.join(&certificate)).and_then(Iterator::collect);
         let chain = chain.map_err(|error| wrong(&certificate, &error))?;
         let private = PrivateKeyDer::from_pem_file(folder.join(&key)).map_err(|error| wrong(&key, &error))?;
+        let valid_until = certificate_end(&chain);
         let config = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
             .with_safe_default_protocol_versions()
             .map_err(in_words)?
             .with_no_client_auth()
             .with_single_cert(chain, private)
             .map_err(|error| wrong(&certificate, &error))?;
-        Ok(Self { config: Arc::new(config), gate: ViewerGate::new(viewer) })
+        Ok(Self { config: Arc::new(config), valid_until, gate: ViewerGate::new(viewer) })
     }
 
     /// Whether a request with this header may look; none until its password has been tried.

@@ -5,6 +5,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::sync::Arc;
 
+use super::certificate_end::certificate_end;
+use crate::link::network::TlsView;
 use rustls::{Connection, ServerConfig, ServerConnection};
 
 /// A stream.
@@ -65,6 +67,17 @@ impl Wire {
         let taken = session.writer().write(bytes)?;
         send_records(session, stream)?;
         if taken == 0 { Err(ErrorKind::WouldBlock.into()) } else { Ok(taken) }
+    }
+
+    /// How it is encrypted, once the other side has proved itself; none where it is not.
+    #[must_use]
+    pub fn tls(&self) -> Option<TlsView> {
+        match self {
+            Self::Plain(_) => None,
+            Self::Tls(session, _) => {
+                Some(TlsView { valid_until: certificate_end(session.peer_certificates().into_iter().flatten()) })
+            }
+        }
     }
 
     /// Whether all that was taken is with the system.

@@ -25,10 +25,10 @@ use crate::hmi::page::grinding::GrindingPage;
 use crate::hmi::page::help::{Help, HelpTouch};
 use crate::hmi::page::program::ProgramPage;
 use crate::hmi::page::{PageSet, PageUi};
-use crate::link::command::Picture;
 use crate::link::files::{FileRequest, Requester};
 use crate::link::media::Screenshot;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
+use crate::link::screens::Picture;
 use crate::link::{Command, Snapshot};
 
 /// How long a local refusal stays in the message line, s.

@@ -18,7 +18,7 @@ use crate::controller::{FilePart, Programs, StoredProgram};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
 use crate::defs::{page_text, program_kind, program_number};
-use crate::link::command::{FileFault, Picture, PictureLabel, ScreenFiles, Screens};
+use crate::link::screens::{FileFault, Picture, PictureLabel, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
 use crate::nc::program_uses::UnitUse;
 use crate::nc::{ProgramPart, Source, program_parts};

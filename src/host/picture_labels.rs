@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::defs::text::LocalizedText;
 use crate::defs::variable_name;
-use crate::link::command::{FileFault, PictureLabel};
+use crate::link::screens::{FileFault, PictureLabel};
 
 /// Size of a page picture, pixels.
 pub const PICTURE_SIZE: (u32, u32) = (200, 400);

@@ -6,6 +6,7 @@ use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
 use super::part_result::PartCommand;
 use super::production::{OrderCommand, OrderProposal, PartInspection};
+use super::screens::Screens;
 use super::simulation::SimCommand;
 use super::teach::TeachCommand;
 use super::toolpath::StockBox;
@@ -13,11 +14,9 @@ use crate::defs::date::DateTime;
 use crate::defs::key::Key;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
-use crate::defs::page_text::PageText;
 use crate::defs::param::ParamAddress;
 use crate::defs::soft_key::CoordinateView;
-use crate::defs::text::arg::Arg;
-use crate::defs::text::{LocalizedText, Template};
+use crate::defs::text::LocalizedText;
 use crate::units::{Axis, PerAxis};
 
 /// One request to the core. The tick that takes it either executes it or shows a message with the reason of the
@@ -118,79 +117,4 @@ pub enum Command {
     WallClock(DateTime),
     /// Keep-alive of the screen; without it the core stops after the keep-alive time (P76, ms).
     KeepAlive,
-}
-
-/// The page files as read from the disk.
-#[derive(Clone, Debug, Default)]
-pub struct Screens {
-    /// One entry per program O1001–O1020 that has a file, by program number; the own pages of a kind have 1000 plus
-    /// their file number.
-    pub pages: Vec<(u32, ScreenFiles)>,
-    /// The picture of the dressing page, or its fault; none until the folder has been read.
-    pub dressing: Option<Result<Arc<Picture>, FileFault>>,
-}
-
-impl Screens {
-    /// The files of a program.
-    #[must_use]
-    pub fn find(&self, program: u32) -> Option<&ScreenFiles> {
-        self.pages.iter().find(|(number, _)| *number == program).map(|(_, files)| files)
-    }
-}
-
-/// Page text and picture of one program.
-#[derive(Clone, Debug)]
-pub struct ScreenFiles {
-    /// The page text with its English, or its fault.
-    pub text: Result<Arc<PageText>, FileFault>,
-    /// The fault of the English text, if it has one; the page is then shown as written.
-    pub english_fault: Option<FileFault>,
-    /// The picture, or its fault.
-    pub picture: Result<Arc<Picture>, FileFault>,
-    /// Where the picture shows variables; empty without D00nn.RON.
-    pub labels: Vec<PictureLabel>,
-    /// The fault of D00nn.RON, if it has one; the picture then answers no touch.
-    pub labels_fault: Option<FileFault>,
-}
-
-/// Where a picture shows the number of a variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PictureLabel {
-    /// The variable.
-    pub variable: u16,
-    /// Left, top, right, bottom, pixels of the picture.
-    pub area: (u16, u16, u16, u16),
-}
-
-/// A page picture, 200 × 400 px, 24 bit, as PNG bytes. The pictures of all programs stay in memory; one is painted.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture(pub Vec<u8>);
-
-/// A fault in a file of the screens folder: file, line if known, cause and remedy.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FileFault {
-    /// File name.
-    pub file: String,
-    /// Line and column, from 1, of a text.
-    pub position: Option<(u32, u32)>,
-    /// Cause and remedy.
-    pub message: LocalizedText,
-}
-
-const FAULT_AT_PLACE: &Template =
-    &Template::new("{file} {place}：{message}", "{file} {place}: {message}", &["file", "place", "message"]);
-const FAULT_OF_FILE: &Template = &Template::new("{file}：{message}", "{file}: {message}", &["file", "message"]);
-
-impl FileFault {
-    /// The fault with its place, as shown.
-    #[must_use]
-    pub fn full_message(&self) -> LocalizedText {
-        let (file, message) = (self.file.as_str(), self.message.clone());
-        match self.position {
-            Some((line, column)) => {
-                LocalizedText::phrase_of(FAULT_AT_PLACE, [file.into(), Arg::Place(line, column)], [message])
-            }
-            None => LocalizedText::phrase_of(FAULT_OF_FILE, [file.into()], [message]),
-        }
-    }
 }

@@ -20,6 +20,7 @@ pub mod production;
 pub mod program_view;
 pub mod restart_view;
 pub mod scope;
+pub mod screens;
 pub mod simulation;
 pub mod snapshot;
 pub mod start_guide;

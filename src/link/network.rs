@@ -1,6 +1,7 @@
 //! What the page of the network shows: the services that the control offers, and who uses them.
 //! Source: docs/manual, chapter "network".
 
+use crate::defs::date::DateTime;
 use crate::defs::text::LocalizedText;
 
 /// State of a service.
@@ -13,6 +14,13 @@ pub enum ServiceState {
     Listening,
     /// It cannot listen.
     Failed(LocalizedText),
+}
+
+/// An encrypted connection.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TlsView {
+    /// When the certificate ends that ends first, UTC; none if nobody can say.
+    pub valid_until: Option<DateTime>,
 }
 
 /// A service.
@@ -30,6 +38,8 @@ pub struct ServiceView {
     pub refused: u64,
     /// Connections given up: too slow, silent or not of the protocol.
     pub dropped: u64,
+    /// How its connections are encrypted; none if they are not.
+    pub tls: Option<TlsView>,
 }
 
 /// State of the connection to a broker.
@@ -53,8 +63,10 @@ pub struct BrokerView {
     pub state: BrokerState,
     /// Its name and port; empty while it is off.
     pub address: String,
-    /// Whether the connection is encrypted, with a broker that has to prove itself.
-    pub is_encrypted: bool,
+    /// How the connection is encrypted, with a broker that has to prove itself; none if it is not.
+    pub tls: Option<TlsView>,
+    /// The broker does not let the control listen to a topic: no orders, or no births that are asked for.
+    pub refuses_topic: bool,
     /// Messages sent since it was switched on.
     pub sent: u64,
     /// Changes that are not sent yet, and results that the broker has not acknowledged.

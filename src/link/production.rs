@@ -1,16 +1,23 @@
 //! Production: what the operator does with the orders, what was made. Source: spec B6, K4.5.
 
+use super::screens::Screens;
 use crate::defs::hour_record::HourHistory;
+use crate::defs::kind::Kind;
+use crate::defs::page_meaning::PageMeaning;
 use crate::defs::part_record::{PartHistory, PartRecord};
 use crate::defs::part_verdict::PartVerdict;
 use crate::defs::production_order::{
-    MAX_ORDERS, MAX_PROPOSALS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, PLACES_OF_OPERATOR, ProductionOrder,
+    MAX_ORDERS, MAX_PROPOSALS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, OrderValues, PLACES_OF_OPERATOR,
+    ProductionOrder,
 };
-use crate::defs::text::Text;
+use crate::defs::text::arg::Arg;
+use crate::defs::text::{LocalizedText, Text, phrase};
+use crate::defs::value_bound::TYPED_VALUE_LIMIT;
+use crate::defs::variable_name;
 use crate::units::Micros;
 
 /// An order that the shop sends: the operator accepts it, or not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderProposal {
     /// Its number.
     pub number: u32,
@@ -18,12 +25,41 @@ pub struct OrderProposal {
     pub program: u32,
     /// Good parts wanted.
     pub target: u32,
+    /// Values of its page.
+    pub values: OrderValues,
+}
+
+impl From<&ProductionOrder> for OrderProposal {
+    fn from(order: &ProductionOrder) -> Self {
+        let &ProductionOrder { number, program, target, values, .. } = order;
+        Self { number, program, target, values }
+    }
+}
+
+/// What a proposal is checked against.
+#[derive(Clone, Copy, Debug)]
+pub struct ProposalCheck<'a> {
+    /// The orders of the list.
+    pub orders: &'a [ProductionOrder],
+    /// Whether its program is there.
+    pub has_program: bool,
+    /// The kind of the machine.
+    pub kind: Kind,
+    /// The page texts.
+    pub screens: &'a Screens,
 }
 
 impl OrderProposal {
-    /// Why it cannot be proposed to the operator of these orders; none if it can.
+    /// Why it cannot be proposed to the operator; none if it can.
     #[must_use]
-    pub fn refusal(&self, orders: &[ProductionOrder], has_program: bool) -> Option<Text> {
+    pub fn refusal(&self, check: ProposalCheck<'_>) -> Option<LocalizedText> {
+        self.refusal_of_figures(check)
+            .map(LocalizedText::from)
+            .or_else(|| self.values_refusal(check.kind, check.screens))
+    }
+
+    fn refusal_of_figures(&self, check: ProposalCheck<'_>) -> Option<Text> {
+        let ProposalCheck { orders, has_program, .. } = check;
         let is_proposed = |order: &&ProductionOrder| order.state == OrderState::Proposed;
         let known = orders.iter().find(|order| order.number == self.number);
         let is_full = orders.len() >= MAX_ORDERS - PLACES_OF_OPERATOR
@@ -43,10 +79,36 @@ impl OrderProposal {
             Some(_) | None => return None,
         })
     }
+
+    /// Why a value cannot be that of its page; none if all can.
+    #[must_use]
+    pub fn values_refusal(&self, kind: Kind, screens: &Screens) -> Option<LocalizedText> {
+        self.values.iter().find_map(|value| {
+            let name = Arg::Variable(u32::from(value.variable), kind.dialect());
+            let Some(row) = screens.row(kind, self.program, value.variable) else {
+                return Some(phrase!("程序的页面没有 {name}", "the page of the program does not show {name}", name));
+            };
+            if row.meaning() == Some(PageMeaning::MeasuredSize) {
+                return Some(phrase!("{name} 是量出来的", "{name} is measured, not ordered", name));
+            }
+            if variable_name::is_switch(u32::from(value.variable)) && !matches!(value.number, 0.0 | 1.0) {
+                return Some(phrase!("{name} 应为 0 或 1", "{name} must be 0 or 1", name));
+            }
+            let fits = value.number.abs() <= TYPED_VALUE_LIMIT;
+            (!fits).then(|| {
+                phrase!(
+                    "{name} 应为 ±{TYPED_VALUE_LIMIT}",
+                    "{name} must be ±{TYPED_VALUE_LIMIT}",
+                    name,
+                    TYPED_VALUE_LIMIT
+                )
+            })
+        })
+    }
 }
 
 /// A request of the page of orders.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OrderCommand {
     /// Adds an order, or changes program and target of the one with this number.
     Enter {
@@ -60,7 +122,12 @@ pub enum OrderCommand {
     /// The operator accepts a proposed order as it was shown: the shop may have changed it meanwhile.
     Accept(OrderProposal),
     /// Finished parts count for this order; its program becomes the current one.
-    Start(u32),
+    Start {
+        /// Its number.
+        number: u32,
+        /// Its values become those of the page; without it those of the page stay.
+        takes_values: bool,
+    },
     /// The order is over, complete or not.
     Close(u32),
     /// The order leaves the list.

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::bus::BusView;
-use super::command::{Command, ScreenFiles, Screens};
+use super::command::Command;
 use super::cycle::CycleView;
 use super::edit::{EditAnswer, ModalView, OffsetTables};
 use super::files::FilesView;
@@ -17,6 +17,7 @@ use super::production::ProductionView;
 use super::program_view::ProgramView;
 use super::restart_view::RestartView;
 use super::scope::ScopeView;
+use super::screens::{PROGRAMS_WITH_PAGE, ScreenFiles, Screens};
 use super::simulation::SimView;
 use super::start_guide::StartGuide;
 use super::teach::TeachView;
@@ -35,9 +36,6 @@ use crate::defs::soft_key::CoordinateView;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::defs::{program_kind, program_number};
 use crate::units::{Axis, Micros, PerAxis};
-
-/// Programs with a grinding page of their own (K7.2).
-pub const PROGRAMS_WITH_PAGE: std::ops::RangeInclusive<u32> = 1_001..=1_020;
 
 /// Number of macro variables shown: #0 to #999.
 pub const VARIABLE_COUNT: usize = 1_000;

@@ -9,6 +9,7 @@ use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
+use crate::defs::production_order::{OrderValue, OrderValues};
 use crate::defs::scope_signal::ScopeSignal;
 use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
@@ -174,7 +175,7 @@ impl LineParser {
             "unlock" | "password" | "accept" => Statement::Settings(self.settings(&verb)?),
             "scope" => Statement::Settings(PageCommand::Scope(self.scope()?)),
             "order" => Statement::Order(self.order()?),
-            "propose-order" => Statement::ProposeOrder(self.proposal()?),
+            "propose-order" => Statement::ProposeOrder(self.order_of_shop()?),
             "disk" => Statement::Disk(self.disk()?),
             "screen" => Statement::ScreenHangs(self.screen_hangs()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
@@ -218,8 +219,8 @@ impl LineParser {
         Ok(PageCommand::ChangePassword { scope, old, new })
     }
 
-    /// `order 501 O1002 50` enters an order, `order accept 501 O1002 50` accepts one of the shop; `start`, `close`, `delete`
-    /// and its number.
+    /// `order 501 O1002 50` enters an order, `order accept 501 O1002 50` accepts one of the shop; `start` (`keep-values`
+    /// behind it: without its values), `close`, `delete` and its number.
     fn order(&mut self) -> Result<OrderCommand, StoryError> {
         let word = self.word("a number, accept, start, close or delete")?;
         let count = |word: &str| word.parse::<u32>().ok();
@@ -229,11 +230,12 @@ impl LineParser {
         }
         let number = self.one_of("the number of an order", count)?;
         match word.as_str() {
-            "start" => Ok(OrderCommand::Start(number)),
-            "accept" => {
-                let (program, target) = (self.o_number()?, self.one_of("a number of parts", count)?);
-                Ok(OrderCommand::Accept(OrderProposal { number, program, target }))
+            "start" => {
+                let keeps = |word: &str| (word == "keep-values").then_some(());
+                let takes_values = self.is_at_end() || self.one_of("keep-values", keeps).map(|()| false)?;
+                Ok(OrderCommand::Start { number, takes_values })
             }
+            "accept" => Ok(OrderCommand::Accept(self.proposal(number)?)),
             "close" => Ok(OrderCommand::Close(number)),
             "delete" => Ok(OrderCommand::Delete(number)),
             _ => Err(self.error(format!("'{word}' is not a number, accept, start, close or delete"))),
@@ -241,10 +243,23 @@ impl LineParser {
     }
 
     /// `propose-order 501 O1002 50`: an order of the shop.
-    fn proposal(&mut self) -> Result<OrderProposal, StoryError> {
-        let count = |word: &str| word.parse::<u32>().ok();
-        let number = self.one_of("the number of an order", count)?;
-        Ok(OrderProposal { number, program: self.o_number()?, target: self.one_of("a number of parts", count)? })
+    fn order_of_shop(&mut self) -> Result<OrderProposal, StoryError> {
+        let number = self.one_of("the number of an order", |word| word.parse().ok())?;
+        self.proposal(number)
+    }
+
+    /// `O1002 50 #501=30 #502=0.01`: program, parts and values of the order of the shop with this number.
+    fn proposal(&mut self, number: u32) -> Result<OrderProposal, StoryError> {
+        let (program, target) = (self.o_number()?, self.one_of("a number of parts", |word| word.parse().ok())?);
+        let mut values = OrderValues::default();
+        while !self.is_at_end() {
+            let value = self.one_of("a variable and its value, such as #501=30", |word| {
+                let (variable, number) = word.split_once('=')?;
+                Some(OrderValue { variable: defs::variable_name::parse(variable)?, number: number.parse().ok()? })
+            })?;
+            values = values.with(value).ok_or_else(|| self.error("too many values, or one twice".to_owned()))?;
+        }
+        Ok(OrderProposal { number, program, target, values })
     }
 
     /// `scope stop`, or the signals and how they are recorded.

@@ -5,13 +5,22 @@ use kt830::defs::date::DateTime;
 use kt830::defs::hour_record::HourRecord;
 use kt830::defs::part_record::PartRecord;
 use kt830::defs::part_verdict::PartVerdict;
-use kt830::defs::production_order::{OrderState, ProductionOrder};
+use kt830::defs::production_order::{OrderState, OrderValues, ProductionOrder};
 use kt830::store::{RetainedChange, RetainedDatabase};
 
 use crate::data_loss::open;
 
 fn order(number: u32, good: u32) -> ProductionOrder {
-    ProductionOrder { number, program: 1_002, target: 50, good, bad: 1, state: OrderState::Active, after: 7 }
+    ProductionOrder {
+        number,
+        program: 1_002,
+        target: 50,
+        good,
+        bad: 1,
+        state: OrderState::Active,
+        after: 7,
+        values: OrderValues::default(),
+    }
 }
 
 #[test]

@@ -19,7 +19,7 @@ use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::part_record::{PartHistory, PartRecord};
 use kt830::defs::part_verdict::PartVerdict;
 use kt830::defs::port_errors::PortErrors;
-use kt830::defs::production_order::{MAX_ORDERS, OrderState, ProductionOrder};
+use kt830::defs::production_order::{MAX_ORDERS, OrderState, OrderValue, OrderValues, ProductionOrder};
 use kt830::defs::scope_signal::ScopeSignal;
 use kt830::defs::signal::Input;
 use kt830::defs::start_step::StartStep;
@@ -31,17 +31,17 @@ use kt830::link::Snapshot;
 use kt830::link::bus::{
     BusClock, BusDevice, BusDrive, BusInverter, BusStation, BusView, DescriptionLine, ThreadRights,
 };
-use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::cycle_times::CycleTimes;
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
-use kt830::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView};
+use kt830::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView, TlsView};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use kt830::link::part_result::{NominalSize, OffsetInForce, PartResult};
 use kt830::link::production::ProductionView;
 use kt830::link::program_view::ProgramView;
 use kt830::link::scope::{SCOPE_SPANS, ScopeRecording, ScopeSetup, ScopeTrigger};
+use kt830::link::screens::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::simulation::{PartSize, SimView};
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, RunState, Tone};
 use kt830::link::start_guide::{StartGuide, StepAction, StepState, StepView};
@@ -296,6 +296,10 @@ pub fn part_result() -> PartResult {
     }
 }
 
+fn longest_value(values: OrderValues, variable: u16) -> OrderValues {
+    values.with(OrderValue { variable, number: 88_888.888 }).unwrap_or(values)
+}
+
 /// Orders of a shop: one is being made, one waits, one is closed.
 fn orders() -> Vec<ProductionOrder> {
     let order = |number, program, target, (good, bad), state| ProductionOrder {
@@ -306,6 +310,7 @@ fn orders() -> Vec<ProductionOrder> {
         bad,
         state,
         after: 2,
+        values: OrderValues::default(),
     };
     vec![
         order(26_110_501, 1_001, 250, (37, 1), OrderState::Active),
@@ -517,6 +522,7 @@ fn network(state: ServiceState) -> NetworkView {
         sent: 1_234_567,
         refused: 12,
         dropped: 3,
+        tls: (port == 8_083).then_some(TlsView { valid_until: Some(DateTime(1_900_000_000)) }),
     };
     // The longest of its faults.
     let lost = LocalizedText::new(
@@ -526,7 +532,8 @@ fn network(state: ServiceState) -> NetworkView {
     let mqtt = BrokerView {
         state: if is_listening { BrokerState::Connected } else { BrokerState::Failed(lost) },
         address: "broker.hall-2.example:8883".to_owned(),
-        is_encrypted: true,
+        tls: Some(TlsView { valid_until: Some(DateTime(1_900_000_000)) }),
+        refuses_topic: false,
         sent: 12_345,
         waiting: 1_012,
         lost: 12_345,
@@ -625,6 +632,7 @@ pub fn long(page: Page) -> Snapshot {
         bad: 99_999,
         state: if place.is_multiple_of(2) { OrderState::Proposed } else { OrderState::Waiting },
         after: 0,
+        values: [521, 522, 523, 524, 531, 532, 533, 534].into_iter().fold(OrderValues::default(), longest_value),
     };
     snapshot.production.orders = (0..MAX_ORDERS as u32).map(order).collect();
     for value in snapshot.variables.iter_mut() {

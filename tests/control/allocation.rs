@@ -409,7 +409,7 @@ fn t5_the_tick_allocates_nothing_for_a_part_of_an_order() {
     let program = host.snapshot().program.number;
     host.send(Command::WallClock(DateTime(1_795_273_316)));
     host.send(Command::Order(OrderCommand::Enter { number: 501, program, target: 2 }));
-    host.send(Command::Order(OrderCommand::Start(501)));
+    host.send(Command::Order(OrderCommand::Start { number: 501, takes_values: true }));
     host.send(Command::Press(Mode::Auto.key()));
     (0..20).for_each(|_| host.step());
     for parts in 1..=3 {

@@ -35,6 +35,10 @@ fn order(rig: &mut HeadlessHost, number: u32) -> ProductionOrder {
     *rig.snapshot().production.orders.iter().find(|order| order.number == number).expect("the order")
 }
 
+fn start(number: u32) -> OrderCommand {
+    OrderCommand::Start { number, takes_values: true }
+}
+
 fn last(rig: &mut HeadlessHost) -> PartRecord {
     *rig.snapshot().production.parts.last().expect("a part")
 }
@@ -248,7 +252,7 @@ fn b6_an_order_that_makes_no_sense_is_refused_and_changes_nothing() {
     refuse(&mut rig, enter(100_000_000, 1_002, 5), "a number from 1 to");
     refuse(&mut rig, enter(7, 1_002, 0), "1 to 999999");
     refuse(&mut rig, enter(7, 4_711, 5), "no such program");
-    for command in [OrderCommand::Start(9), OrderCommand::Close(9), OrderCommand::Delete(9)] {
+    for command in [start(9), OrderCommand::Close(9), OrderCommand::Delete(9)] {
         refuse(&mut rig, command, "no such order");
     }
     assert_eq!(rig.snapshot().production.orders, before);
@@ -261,7 +265,7 @@ fn b6_an_order_that_makes_no_sense_is_refused_and_changes_nothing() {
     refuse(&mut rig, enter(501, 1_004, 50), "has parts already");
     // With all parts made it does not start; with a higher target it goes on.
     tell(&mut rig, "order 501 O1002 1");
-    refuse(&mut rig, OrderCommand::Start(501), "raise the target");
+    refuse(&mut rig, start(501), "raise the target");
     tell(&mut rig, "order 501 O1002 2\norder start 501");
     assert_eq!((order(&mut rig, 501).state, order(&mut rig, 501).good), (OrderState::Active, 1));
     for number in 1..MAX_ORDERS as u32 {
@@ -280,7 +284,7 @@ fn b6_an_order_starts_with_its_program_and_not_while_another_one_runs() {
     let states = [501, 502].map(|number| order(&mut rig, number).state);
     assert_eq!(states, [OrderState::Waiting, OrderState::Active], "one order at a time");
     tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.02 s\nexpect state running");
-    rig.send(Command::Order(OrderCommand::Start(501)));
+    rig.send(Command::Order(start(501)));
     rig.step();
     assert_eq!((order(&mut rig, 501).state, rig.snapshot().program.number), (OrderState::Waiting, 1_002));
 }
@@ -409,6 +413,53 @@ fn b6_an_order_of_the_shop_waits_for_the_operator() {
     assert!(rig.snapshot().production.order(703).is_none());
     tell(&mut rig, "propose-order 704 O1002 3\nwait 1 s\npower cut\npower on\nwait 0.2 s");
     assert_eq!(order(&mut rig, 704).state, OrderState::Proposed, "over a power-off");
+}
+
+/// B6: values of an order of the shop are those of the page once the operator has started it with them, and not before.
+#[test]
+fn b6_values_of_an_order_are_in_force_when_the_operator_starts_it() {
+    let mut rig = shop();
+    let size = |rig: &mut HeadlessHost| rig.snapshot().variables[521];
+    tell(&mut rig, "propose-order 701 O1002 5 #521=38.02 #532=0.005");
+    assert_eq!(order(&mut rig, 701).values.iter().count(), 2);
+    // Accepted are the values that were shown.
+    tell(&mut rig, "order accept 701 O1002 5 #521=38.02\nexpect message \"再看一次\"");
+    tell(&mut rig, "order accept 701 O1002 5 #521=38.02 #532=0.005\nexpect message \"701 已接受\"");
+    assert_eq!(size(&mut rig), Some(40.3), "an accepted order changes nothing");
+    tell(&mut rig, "order start 701 keep-values\nexpect message \"开始\"");
+    assert_eq!((order(&mut rig, 701).state, size(&mut rig)), (OrderState::Active, Some(40.3)));
+    // In a run nothing is changed.
+    let long = program_from_bytes(1_002, "O1002.NC", b"G04 X5\nM30".to_vec(), rig.kind().dialect());
+    rig.add_program(long);
+    tell(&mut rig, "load O1002\nmode auto\nkey cycle-start\nwait 0.2 s\norder start 701");
+    assert!(rig.snapshot().message.text.zh().contains("程序运行中"), "{:?}", rig.snapshot().message);
+    assert_eq!(size(&mut rig), Some(40.3));
+    tell(&mut rig, "wait until idle max 20 s\norder start 701\nexpect message \"开始\"");
+    assert_eq!((size(&mut rig), rig.snapshot().variables[532]), (Some(38.02), Some(0.005)));
+    tell(&mut rig, "power cut\npower on\nwait 0.2 s");
+    assert_eq!((size(&mut rig), order(&mut rig, 701).values.iter().count()), (Some(38.02), 2), "over a power-off");
+    // Values are those of a page: another program has another one.
+    tell(
+        &mut rig,
+        "propose-order 702 O1002 5 #521=38\norder 702 O1002 4\npropose-order 703 O1002 5 #521=38\norder 703 O1004 4",
+    );
+    assert_eq!([702, 703].map(|number| order(&mut rig, number).values.iter().count()), [1, 0]);
+}
+
+/// B6: an order that asks for what is no value of its page is left aside.
+#[test]
+fn b6_values_that_its_page_has_not_are_no_order() {
+    let mut rig = shop();
+    for values in ["#899=1", "#521=1e9", "#5021=1", "#100=1"] {
+        tell(&mut rig, &format!("propose-order 701 O1002 5 {values}"));
+        assert!(rig.snapshot().production.orders.is_empty(), "{values}");
+    }
+    // The page is gone when it is started: nothing is started then.
+    tell(&mut rig, "propose-order 701 O1002 5 #521=38\norder accept 701 O1002 5 #521=38");
+    rig.send(Command::ScreensLoaded(std::sync::Arc::default()));
+    tell(&mut rig, "wait 0.1 s\norder start 701\nexpect message \"#521\"");
+    assert_eq!(order(&mut rig, 701).state, OrderState::Waiting);
+    assert_eq!(rig.snapshot().variables[521], Some(40.3));
 }
 
 /// B6: what cannot be an order is left aside, and the operator's own orders find a place.

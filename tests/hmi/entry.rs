@@ -12,8 +12,8 @@ use kt830::defs::text::{Lang, LocalizedText};
 use kt830::hmi::field_editor::{CoreAnswer, FieldEditor};
 use kt830::hmi::variable_entry::{VariableEntry, parse_value};
 use kt830::link::Snapshot;
-use kt830::link::command::{ScreenFiles, Screens};
 use kt830::link::edit::EditAnswer;
+use kt830::link::screens::{ScreenFiles, Screens};
 use std::sync::Arc;
 
 fn touch(screen: &mut Screen, label: &str) {

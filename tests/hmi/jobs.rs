@@ -77,6 +77,35 @@ fn b6_an_order_of_the_shop_is_accepted_then_started() {
     assert!(bench.shows("进行"), "{:?}", bench.painted());
 }
 
+/// B6: what the order asks for stands beside what the page has; nothing of it is taken without being asked.
+#[test]
+fn b6_values_of_an_order_are_shown_and_taken_when_it_is_started() {
+    let mut bench = bench();
+    tell(&mut bench.rig, "propose-order 701 O1002 5 #521=38.02 #532=0.01");
+    bench.turn();
+    bench.screen.query_all_by_label("order 701").next().expect("the order").click();
+    bench.turn();
+    assert!(bench.shows("40.300 → 38.020") && bench.shows("成品直径"), "{:?}", bench.painted());
+    bench.touch("开始 job-start");
+    assert!(bench.message().contains("先接受"), "{}", bench.message());
+    bench.touch("接受 job-accept");
+    bench.touch("开始 job-start");
+    assert!(bench.shows("采用订单的数值"), "{:?}", bench.painted());
+    // What the page has already is not asked for.
+    assert!(bench.shows("#521: 40.300 → 38.020") && !bench.shows("#532: "), "{:?}", bench.painted());
+    bench.touch("取消 question-no");
+    assert_eq!(bench.rig.snapshot().production.orders[0].state, OrderState::Waiting);
+    bench.touch("开始 job-start");
+    bench.touch("保留现值 question-keep");
+    let state = |bench: &mut Bench| bench.rig.snapshot().production.orders[0].state;
+    assert_eq!((state(&mut bench), bench.rig.snapshot().variables[521]), (OrderState::Active, Some(40.3)));
+    bench.touch("开始 job-start");
+    bench.touch("采用 question-take");
+    assert_eq!(bench.rig.snapshot().variables[521], Some(38.02));
+    bench.touch("开始 job-start");
+    assert!(!bench.shows("采用订单的数值"), "the page has them");
+}
+
 #[test]
 fn b6_a_missing_figure_and_a_wrong_one_are_told_and_nothing_is_entered() {
     let mut bench = bench();

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use kt830::defs::date::DateTime;
 use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, LocalizedText};
 use kt830::hmi::page_text;
 use kt830::link::Snapshot;
-use kt830::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView};
+use kt830::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView, TlsView};
 
 fn with(mtconnect: ServiceView) -> Snapshot {
     let mut snapshot = crate::sample::busy(Page::Network);
@@ -23,6 +24,7 @@ fn b6_the_network_page_shows_services_clients_and_every_value() {
         sent: 12_345,
         refused: 1,
         dropped: 2,
+        tls: None,
     });
     let texts = page_text(&snapshot, Lang::En).join("\n");
     for said in [
@@ -58,7 +60,8 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
     let broker = BrokerView {
         state: BrokerState::Connected,
         address: "broker.shop:8883".to_owned(),
-        is_encrypted: true,
+        tls: Some(TlsView { valid_until: DateTime::from_parts([2029, 2, 27, 12, 0, 0]) }),
+        refuses_topic: false,
         sent: 4_711,
         waiting: 3,
         lost: 0,
@@ -69,16 +72,22 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
         page_text(&snapshot, Lang::En).join("\n")
     };
     let texts = said(broker.clone());
-    for expected in
-        ["MQTT", "broker.shop:8883", "connected, encrypted", "sent / waiting / lost / connections", "4711 / 3 / 0 / 2"]
-    {
+    for expected in [
+        "MQTT",
+        "broker.shop:8883",
+        "connected",
+        "encrypted, certificate until 2029-02-27",
+        "sent / waiting / lost / connections",
+        "4711 / 3 / 0 / 2",
+    ] {
         assert!(texts.contains(expected), "{expected}: {texts}");
     }
     let why = LocalizedText::new("服务器没有应答", "the broker does not answer");
     assert!(
         said(BrokerView { state: BrokerState::Failed(why), ..broker.clone() }).contains("the broker does not answer")
     );
-    assert!(said(BrokerView { is_encrypted: false, ..broker }).contains("not encrypted"));
+    assert!(said(BrokerView { tls: None, ..broker.clone() }).contains("not encrypted"));
+    assert!(said(BrokerView { refuses_topic: true, ..broker }).contains("a topic (orders) is refused"));
 }
 
 #[test]

@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from asyncua import Client, ua
@@ -45,9 +46,71 @@ wait 1 s
 key reset
 wait 1 s
 """
+# An alarm of each condition, raised and repaired.
+ALARMS = """kind gc
+param P333 51
+param P334 52
+wait 1 s
+key hydraulic
+wait 4 s
+home all
+mode auto
+load O3001
+key cycle-start
+wait 0.5 s
+key reset
+load O3002
+key cycle-start
+wait 0.5 s
+key reset
+load O3003
+key cycle-start
+wait 0.5 s
+key reset
+fault drive-x
+wait 0.5 s
+fault drive-x off
+key reset
+home all
+mode auto
+load O3004
+key cycle-start
+wait 1 s
+fault coolant-missing
+wait 4 s
+fault coolant-missing off
+key reset
+fault lubrication-missing
+wait 6 s
+fault lubrication-missing off
+wait 0.5 s
+key reset
+fault pressure-loss
+wait 2 s
+fault pressure-loss off
+wait 3 s
+key reset
+fault bus-silent 50
+wait 1 s
+key reset
+input emergency-stop on
+wait 0.5 s
+input emergency-stop off
+wait 0.5 s
+key reset
+wait 1 s
+"""
+PROGRAMS = {"O3001": "M98 P9999", "O3002": "G10 P1 X9999", "O3003": "#5801=99999", "O3004": "M08\nG04 X60"}
+CONDITIONS = {
+    "system", "communications", "logic", "motion", "drives", "spindle", "hydraulic", "coolant", "lubrication"
+}
 logging.disable(logging.WARNING)
 work = Path(tempfile.mkdtemp())
 (work / "story").write_text(STORY)
+(work / "alarms").write_text(ALARMS)
+(work / "programs").mkdir()
+for name, text in PROGRAMS.items():
+    (work / "programs" / f"{name}.NC").write_text(text + "\nM30\n")
 data = ["--data", str(work / "data")]
 faults = []
 
@@ -62,8 +125,8 @@ def kt830(*words, text=None):
     return subprocess.run([program, *words], input=text, text=True, capture_output=True)
 
 
-def start_control():
-    words = ["serve", str(work / "story"), "--param", f"P480={ADAPTER}", "--param", "P482=123", *data]
+def start_control(story="story", more=()):
+    words = ["serve", str(work / story), *more, "--param", f"P480={ADAPTER}", "--param", "P482=123", "--param", "P485=1", *data]
     return subprocess.Popen([program, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
@@ -173,13 +236,71 @@ async def look(machine, number):
     check(len(await items.get_children()) > 35, "data items")
 
 
+async def orders(client, machine, number):
+    """Orders are proposed by the method, and stand in the production plan."""
+    plan = await machine.get_child([f"{number['tool']}:Production", f"{number['tool']}:ProductionPlan"])
+    method = await plan.get_child(f"{number['own']}:ProposeOrder")
+
+    async def propose(order, name, parts, values=None):
+        values = values or {}
+        words = [
+            ua.Variant(order, ua.VariantType.UInt32), ua.Variant(name, ua.VariantType.String),
+            ua.Variant(parts, ua.VariantType.UInt32),
+            ua.Variant(list(values), ua.VariantType.String, is_array=True),
+            ua.Variant(list(values.values()), ua.VariantType.Double, is_array=True),
+        ]
+        begun = time.monotonic()
+        answer = await plan.call_method(method, *words)
+        print(f"answer to order {order} after {(time.monotonic() - begun) * 1000:.0f} ms: {answer}")
+        return answer
+
+    answer = await propose(701, "O1002", 50, {"#521": 38.02, "#532": 0.01})
+    check(answer[0] is True, f"an order is proposed: {answer}")
+    for name, parts, values, why in (
+        ("O1999", 50, {}, "no such program"), ("O1002", 0, {}, "1 to 999999"), ("O1002", 5, {"#899": 1.0}, "does not show"),
+        ("O1002", 5, {"X": 1.0}, "no variable"),
+    ):
+        answer = await propose(702, name, parts, values)
+        check(answer[0] is False and why in answer[1], f"refused: {answer}")
+    why = await denied(propose(703, "O" + "1" * 2000, 5))
+    check(why == "BadInvalidArgument", f"a long order: {why}")
+    why = await denied(plan.call_method(method, ua.Variant("M03", ua.VariantType.String)))
+    check(why.startswith("Bad"), f"other arguments: {why}")
+    job = None
+    for _ in range(50):
+        await asyncio.sleep(0.1)
+        try:
+            job = await plan.get_child(f"{number['own']}:701")
+            break
+        except ua.UaStatusCodeError:
+            pass
+    check(job is not None, "the order is a job of the plan")
+    read = lambda *path: job.get_child([f"{number[space]}:{name}" if space else f"0:{name}" for space, name in path])
+    found = [await (await read(("tool", name))).read_value() for name in ("Identifier", "RunsPlanned", "RunsCompleted")]
+    check(found == ["701", 50, 0], f"job {found}")
+    found = [await (await read(("own", name))).read_value() for name in ("OrderState", "Values")]
+    check(found == ["proposed", ["#521=38.02", "#532=0.01"]], f"proposed {found}")
+    state = await (await read(("tool", "State"), ("", "CurrentState"))).read_value()
+    check(state.Text == "Initializing", f"state {state.Text}")
+    program = await (await read(("tool", "ProductionPrograms"), ("own", "Program"), ("tool", "Name"))).read_value()
+    check(program == "O1002", f"program {program}")
+    async with await client_of(user="viewer") as viewer:
+        call = viewer.get_node(plan.nodeid).call_method(
+            method.nodeid, *[ua.Variant(0, ua.VariantType.UInt32), ua.Variant("O1002"), ua.Variant(5, ua.VariantType.UInt32),
+                             ua.Variant([], ua.VariantType.String, is_array=True),
+                             ua.Variant([], ua.VariantType.Double, is_array=True)])
+        why = await denied(call)
+        check(why == "BadUserAccessDenied", f"a viewer proposes nothing: {why}")
+
+
 async def many_subscriptions(server):
     """The library keeps what was subscribed to: the server begins anew before it is too much."""
     def memory():
         lines = Path(f"/proc/{server.pid}/status").read_text().splitlines()
         return int(next(line.split()[1] for line in lines if line.startswith("VmRSS"))) // 1024
 
-    before, rounds = memory(), 0
+    # The first round is for what is loaded once.
+    before, rounds = 0, 0
     for _ in range(4):
         try:
             async with await client_of() as client:
@@ -190,6 +311,7 @@ async def many_subscriptions(server):
                     rounds += 1
                 await asyncio.sleep(8)
                 await client.nodes.server_state.read_value()
+            before = before or memory()
         except (ua.UaError, ConnectionError, TimeoutError, asyncio.TimeoutError):
             await asyncio.sleep(3)
     check(rounds >= 300, f"{rounds} subscriptions")
@@ -199,7 +321,9 @@ async def many_subscriptions(server):
 
 async def main():
     control = start_control()
-    check(kt830("opcua", "add-user", "planner", *data, text="correct horse\n").returncode == 0, "a user is added")
+    added = kt830("opcua", "add-user", "--orders", "planner", *data, text="correct horse\n")
+    check(added.returncode == 0, "a user is added")
+    kt830("opcua", "add-user", "viewer", *data, text="correct horse\n")
     words = ["opcua", "serve", "--control", f"127.0.0.1:{ADAPTER}", "--listen", f"127.0.0.1:{PORT}", *data]
     server = subprocess.Popen([program, *words], stdout=subprocess.DEVNULL)
     try:
@@ -260,6 +384,7 @@ async def main():
             check(at(0.5) < 400 and at(0.99) < 2000, "values in time")
             why = await denied(override.write_value(ua.Variant(50.0, ua.VariantType.Double)))
             check(why in ("BadNotWritable", "BadUserAccessDenied", "BadServiceUnsupported"), f"nothing is written: {why}")
+            await orders(client, machine, number)
             call = client.nodes.server.call_method("0:GetMonitoredItems", ua.Variant(1, ua.VariantType.UInt32))
             why = await denied(call)
             check(why == "BadUserAccessDenied", f"nothing is called: {why}")
@@ -267,9 +392,16 @@ async def main():
             control.send_signal(signal.SIGKILL)
             control.wait()
             check(await wait_until(lambda: any(name.endswith("/execution") for name in listener.bad)), "a control that ends")
-            control = start_control()
+            control = start_control("alarms", ["--programs", str(work / "programs")])
             count = len(listener.delays)
             check(await wait_until(lambda: len(listener.delays) > count + 20), "a control that comes back")
+            told = lambda active: {
+                event.ConditionName.split()[0] for event in listener.events
+                if getattr(event, "ErrorCode", None) and getattr(event, "ActiveState/Id") is active
+            }
+            await wait_until(lambda: told(True) >= CONDITIONS and told(False) >= CONDITIONS, 60)
+            check(told(True) >= CONDITIONS, f"alarms of each condition come; missing {sorted(CONDITIONS - told(True))}")
+            check(told(False) >= CONDITIONS, f"and go; missing {sorted(CONDITIONS - told(False))}")
             states = [getattr(event, "ActiveState/Id", None) for event in listener.events if getattr(event, "ErrorCode", None)]
             check(states.count(True) - states.count(False) in (0, 1), f"as many alarms come as go: {states}")
             check(kt830("opcua", "remove-user", "planner", *data).returncode == 0, "a user is removed")

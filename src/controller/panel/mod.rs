@@ -32,10 +32,10 @@ use super::power_on::PowerOnState;
 use super::program::Program;
 use crate::defs::kind::Kind;
 use crate::defs::text::LocalizedText;
-use crate::link::command::Screens;
 use crate::link::cycle_times::CycleTimes;
 use crate::link::edit::EditAnswer;
 use crate::link::part_result::PartResult;
+use crate::link::screens::Screens;
 use crate::link::snapshot::DirectoryRow;
 use crate::units::{MachinePos, Micros};
 

@@ -10,11 +10,8 @@ use crate::defs::page_text::PageTextRow;
 use crate::defs::soft_key::{self, CoordinateView, SoftKeyAction};
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
-use crate::link::command::FileFault;
-use crate::link::snapshot::PROGRAMS_WITH_PAGE;
-
-/// Base of the page numbers: file C0001 belongs to page 1001.
-const PAGE_FILES: u32 = 1_000;
+use crate::link::screens::PROGRAMS_WITH_PAGE;
+use crate::link::screens::{FileFault, PAGE_FILES};
 
 const BOTH_FILES: &Template = &Template::new("{first}；{next}", "{first}; {next}", &["first", "next"]);
 /// Screen printing happens in the HMI, not in the core.
@@ -111,10 +108,7 @@ impl Panel {
 
     /// The row of a variable on the grinding page.
     fn page_row(&self, parts: PartsView<'_>, variable: u16) -> Option<&PageTextRow> {
-        let own = parts.plant.kind.row().page_files.iter().map(|number| PAGE_FILES + number);
-        let texts =
-            own.chain(self.grinding_page(parts)).filter_map(|number| self.screens.find(number)?.text.as_ref().ok());
-        texts.flat_map(|text| text.rows()).find(|row| row.variable == variable)
+        self.screens.row(parts.plant.kind, parts.plant.execution.current_program, variable)
     }
 
     /// K7.3: raises alarm 66 when the page opens; clears it when the files are correct or the page is left.

@@ -10,10 +10,12 @@ use crate::defs::hour_record::HourRecord;
 use crate::defs::param;
 use crate::defs::part_record::{PartHistory, PartRecord};
 use crate::defs::part_verdict::PartVerdict;
-use crate::defs::production_order::{MAX_ORDERS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, ProductionOrder};
+use crate::defs::production_order::{
+    MAX_ORDERS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, OrderValues, ProductionOrder,
+};
 use crate::defs::text::{Text, phrase};
 use crate::link::part_result::PartResult;
-use crate::link::production::{OrderCommand, OrderProposal, PartInspection, ProductionView};
+use crate::link::production::{OrderCommand, OrderProposal, PartInspection, ProductionView, ProposalCheck};
 use crate::link::snapshot::Tone;
 use crate::units::Micros;
 
@@ -24,6 +26,8 @@ const IS_BEGUN: Text =
     Text::new("订单已有工件，程序不能改", "the order has parts already: its program cannot be changed");
 const IS_FULL: Text = Text::new("订单已满：先删除结束的", "the list is full: delete closed orders first");
 const IN_RUN: Text = Text::new("程序运行中，不能换程序", "a program runs: the program cannot be changed");
+const VALUES_IN_RUN: Text =
+    Text::new("程序运行中，不能换数值", "a program runs: the values of its page cannot be changed by an order");
 const NO_PROGRAM: Text = Text::new("没有这个程序", "there is no such program");
 const IS_PROPOSED: Text = Text::new("先接受车间的订单", "accept the order of the shop first");
 const IS_CHANGED: Text = Text::new("车间改了订单，再看一次", "the shop has changed the order: look at it again");
@@ -235,13 +239,13 @@ impl Panel {
                 if order.state != OrderState::Proposed {
                     return Err(NOT_PROPOSED.into());
                 }
-                if (order.program, order.target) != (shown.program, shown.target) {
+                if OrderProposal::from(&order) != shown {
                     return Err(IS_CHANGED.into());
                 }
                 self.production.set(parts.plant, ProductionOrder { state: OrderState::Waiting, ..order });
                 Ok(phrase!("订单 {number} 已接受", "order {number} accepted", number))
             }
-            OrderCommand::Start(number) => self.start_order(parts, number),
+            OrderCommand::Start { number, takes_values } => self.start_order(parts, number, takes_values),
             OrderCommand::Close(number) => {
                 let order = self.production.find(number).ok_or(NO_ORDER)?;
                 if order.state == OrderState::Proposed {
@@ -300,10 +304,14 @@ impl Panel {
             }
         }
         let after = self.production.last_count;
-        let fresh = ProductionOrder { number, program, target, good: 0, bad: 0, state: OrderState::Waiting, after };
+        // Values are those of a page: another program has another one.
+        let values =
+            before.filter(|order| order.program == program).map_or_else(OrderValues::default, |order| order.values);
+        let state = OrderState::Waiting;
+        let fresh = ProductionOrder { number, program, target, good: 0, bad: 0, state, after, values };
         // Entered by the operator, a proposed order is accepted.
         let entered = before.filter(|order| order.state != OrderState::Proposed).unwrap_or(fresh);
-        self.production.set(parts.plant, ProductionOrder { program, target, ..entered });
+        self.production.set(parts.plant, ProductionOrder { program, target, values, ..entered });
         let title = parts.plant.program_title(program);
         Ok(phrase!(
             "订单 {number}：{title}，{target} 件",
@@ -317,18 +325,19 @@ impl Panel {
     /// The shop proposes an order: it stands in the list until the operator has decided. A proposal that cannot be is
     /// left aside; the list that goes back does not have it.
     pub(super) fn propose_order(&mut self, parts: &mut Parts<'_>, proposal: OrderProposal) {
-        let OrderProposal { number, program, target } = proposal;
+        let OrderProposal { number, program, target, values } = proposal;
         let has_program = parts.plant.work.programs.get(program).is_some();
-        if proposal.refusal(&self.production.orders, has_program).is_some() {
+        let (orders, kind) = (self.production.orders.as_slice(), parts.plant.kind);
+        if proposal.refusal(ProposalCheck { orders, has_program, kind, screens: &self.screens }).is_some() {
             return;
         }
-        let known = self.production.find(number);
-        if known.is_some_and(|known| (known.program, known.target) == (program, target)) {
+        if self.production.find(number).is_some_and(|known| OrderProposal::from(&known) == proposal) {
             return;
         }
         let after = self.production.last_count;
         let state = OrderState::Proposed;
-        self.production.set(parts.plant, ProductionOrder { number, program, target, good: 0, bad: 0, state, after });
+        let order = ProductionOrder { number, program, target, good: 0, bad: 0, state, after, values };
+        self.production.set(parts.plant, order);
         // What the operator is warned of is more than that.
         if parts.plant.outbox.message.tone == Tone::Info {
             let title = parts.plant.program_title(program);
@@ -342,8 +351,9 @@ impl Panel {
         }
     }
 
-    /// The parts count for this order from now on; its program becomes the current one.
-    fn start_order(&mut self, parts: &mut Parts<'_>, number: u32) -> Edited {
+    /// The parts count for this order from now on; its program becomes the current one, and its values those of the page if
+    /// the operator takes them.
+    fn start_order(&mut self, parts: &mut Parts<'_>, number: u32, takes_values: bool) -> Edited {
         let order = self.production.find(number).ok_or(NO_ORDER)?;
         if order.state == OrderState::Proposed {
             return Err(IS_PROPOSED.into());
@@ -353,6 +363,15 @@ impl Panel {
         }
         if parts.plant.work.programs.get(order.program).is_none() {
             return Err(NO_PROGRAM.into());
+        }
+        let takes_values = takes_values && !order.values.is_empty();
+        if takes_values {
+            if parts.program.is_open() {
+                return Err(VALUES_IN_RUN.into());
+            }
+            if let Some(why) = OrderProposal::from(&order).values_refusal(parts.plant.kind, &self.screens) {
+                return Err(why);
+            }
         }
         let mut warning = None;
         if order.program != parts.plant.execution.current_program {
@@ -367,6 +386,13 @@ impl Panel {
             self.production.set(parts.plant, ProductionOrder { state: OrderState::Waiting, ..other });
         }
         self.production.set(parts.plant, ProductionOrder { state: OrderState::Active, ..order });
+        if takes_values {
+            for value in order.values.iter() {
+                if !parts.program.set_variable(parts.plant, value.variable, Some(value.number)) {
+                    return Err(parts.plant.outbox.message.text.clone());
+                }
+            }
+        }
         let (title, left) = (parts.plant.program_title(order.program), order.left());
         // What load_program warns of (a program of another kind of machine) is more than the start.
         Ok(warning.unwrap_or_else(|| {

@@ -9,7 +9,7 @@ use crate::defs::param::{self, NumberParam};
 use crate::defs::signal::Output;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{Text, phrase};
-use crate::link::command::Screens;
+use crate::link::screens::Screens;
 
 const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel is running: stop it first");
 const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is active: press RESET first");

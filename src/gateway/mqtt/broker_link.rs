@@ -11,7 +11,7 @@ use mqtt_protocol_core::mqtt::connection::{ConnectionOptions, Event, Sendable};
 use mqtt_protocol_core::mqtt::packet::v3_1_1::{Connect, Disconnect, Pingreq, Publish, Subscribe};
 use mqtt_protocol_core::mqtt::packet::{Packet, Qos, SubEntry, SubOpts};
 use mqtt_protocol_core::mqtt::prelude::*;
-use mqtt_protocol_core::mqtt::result_code::{ConnectReturnCode, MqttError};
+use mqtt_protocol_core::mqtt::result_code::{ConnectReturnCode, MqttError, SubackReturnCode};
 use mqtt_protocol_core::mqtt::{Connection, Version, role};
 use rustls::ClientConnection;
 
@@ -19,6 +19,7 @@ use super::broker_settings::TlsEnds;
 use crate::defs::text::{LocalizedText, Text};
 use crate::gateway::in_words;
 use crate::gateway::wire::Wire;
+use crate::link::network::TlsView;
 
 /// Time between two pings.
 const PING_INTERVAL: Duration = Duration::from_secs(10);
@@ -61,6 +62,8 @@ pub enum BrokerEvent {
     },
     /// It has the message with this packet identifier.
     Acknowledged(u16),
+    /// It does not let the control listen to a topic.
+    TopicRefused,
     /// It was sent a ping.
     PingSent,
     /// It has answered the ping: it has taken all that was sent before that.
@@ -105,7 +108,7 @@ impl BrokerLink {
         drop(stream.set_nodelay(true));
         let wire = match tls {
             None => Wire::Plain(stream),
-            Some(TlsEnds { config, name }) => {
+            Some(TlsEnds { config, name, .. }) => {
                 let session = ClientConnection::new(config, name).map_err(in_words)?;
                 Wire::Tls(Box::new(session.into()), stream)
             }
@@ -139,6 +142,12 @@ impl BrokerLink {
         }
         self.send();
         events
+    }
+
+    /// How the connection is encrypted.
+    #[must_use]
+    pub fn tls(&self) -> Option<TlsView> {
+        self.wire.tls()
     }
 
     /// Why the connection is over; none while it lasts.
@@ -292,6 +301,9 @@ impl BrokerLink {
                 payload: message.payload().as_slice().to_vec(),
                 is_retained: message.retain(),
             }),
+            (Packet::V3_1_1Suback(answer), _) if !answer.return_codes().iter().all(SubackReturnCode::is_success) => {
+                events.push(BrokerEvent::TopicRefused);
+            }
             (Packet::V3_1_1Puback(answer), _) => events.push(BrokerEvent::Acknowledged(answer.packet_id())),
             _ => {}
         }

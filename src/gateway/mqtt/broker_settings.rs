@@ -1,6 +1,7 @@
 //! The broker to which the control connects, and what it proves itself with: the file `mqtt.ron` of the data directory.
 //! Source: docs/manual, chapter "network".
 
+use std::net::Ipv6Addr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,7 +10,9 @@ use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::{ClientConfig, RootCertStore};
 use serde::Deserialize;
 
+use crate::defs::date::DateTime;
 use crate::defs::text::{LocalizedText, Text};
+use crate::gateway::certificate_end::certificate_end;
 use crate::gateway::in_words;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 
@@ -24,7 +27,8 @@ const LONGEST_GROUP: usize = 64;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BrokerSettings {
-    /// Name or IPv4 address of the broker; with its port after a colon where that is not 1883, or 8883 in TLS.
+    /// Name or address of the broker, an IPv6 address in brackets; with its port after a colon where that is not 1883, or
+    /// 8883 in TLS.
     pub broker: String,
     /// Group of this machine (Sparkplug: group id).
     #[serde(default = "default_group")]
@@ -61,6 +65,8 @@ pub struct TlsEnds {
     pub config: Arc<ClientConfig>,
     /// The name that the certificate of the broker must have.
     pub name: ServerName<'static>,
+    /// When the certificate of the control ends; none without one.
+    pub machine_until: Option<DateTime>,
 }
 
 impl BrokerSettings {
@@ -104,8 +110,13 @@ impl BrokerSettings {
     #[must_use]
     pub fn host_and_port(&self) -> Option<(String, u16)> {
         let usual = PORTS[usize::from(self.tls.is_some())];
+        let read_port = |port: &str| port.parse().ok().filter(|port| *port > 0);
+        if let Some((address, rest)) = self.broker.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
+            let port = if rest.is_empty() { usual } else { read_port(rest.strip_prefix(':')?)? };
+            return address.parse::<Ipv6Addr>().is_ok().then(|| (address.to_owned(), port));
+        }
         let (host, port) = match self.broker.rsplit_once(':') {
-            Some((host, port)) => (host, port.parse().ok().filter(|port| *port > 0)?),
+            Some((host, port)) => (host, read_port(port)?),
             None => (self.broker.as_str(), usual),
         };
         let is_name =
@@ -130,16 +141,18 @@ impl BrokerSettings {
             .with_safe_default_protocol_versions()
             .map_err(in_words)?
             .with_root_certificates(roots);
+        let mut machine_until = None;
         let config = match &tls.machine {
             None => builder.with_no_client_auth(),
             Some((certificate, key)) => {
                 let path = folder.join(key);
                 let key = PrivateKeyDer::from_pem_file(&path).map_err(|error| wrong(&path, &error))?;
                 let chain = certificates(&folder.join(certificate))?;
+                machine_until = certificate_end(&chain);
                 builder.with_client_auth_cert(chain, key).map_err(|error| wrong(&path, &error))?
             }
         };
-        Ok(Some(TlsEnds { config: Arc::new(config), name }))
+        Ok(Some(TlsEnds { config: Arc::new(config), name, machine_until }))
     }
 }
 
@@ -153,4 +166,41 @@ fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, LocalizedTe
 fn wrong(path: &Path, error: &impl std::fmt::Display) -> LocalizedText {
     let name = PathBuf::from(path.file_name().unwrap_or(path.as_os_str()));
     in_words(format!("{}: {error}", name.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_broker_is_a_name_or_an_address_with_or_without_a_port() {
+        let parts = |broker: &str| {
+            let none = String::new();
+            BrokerSettings {
+                broker: broker.to_owned(),
+                group: none.clone(),
+                user: none.clone(),
+                password: none,
+                tls: None,
+            }
+            .host_and_port()
+        };
+        let cases = [
+            ("broker.shop", Some(("broker.shop", 1_883))),
+            ("10.0.0.5:8884", Some(("10.0.0.5", 8_884))),
+            ("[fd00::5]", Some(("fd00::5", 1_883))),
+            ("[fd00::5]:8884", Some(("fd00::5", 8_884))),
+            ("fd00::5", None),
+            ("[fd00::5]8884", None),
+            ("[broker]:8884", None),
+            ("broker:0", None),
+            ("broker:x", None),
+            ("", None),
+            (":1883", None),
+        ];
+        for (broker, expected) in cases {
+            let found = parts(broker);
+            assert_eq!(found.as_ref().map(|(host, port)| (host.as_str(), *port)), expected, "{broker}");
+        }
+    }
 }

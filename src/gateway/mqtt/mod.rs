@@ -1,12 +1,12 @@
 //! The broker: states, alarms and results of the machine by MQTT, as an edge node of Sparkplug B. Connections are made by
 //! the control; no port is opened. The commands are the one for a birth, and orders that the operator has to accept.
 //! Files: `broker_settings` where the broker is and how to prove oneself, `broker_link` one connection, `edge_node` what
-//! Sparkplug says, `order_inbox` orders of the shop, `part_outbox` the results that the broker acknowledges, `told_to_broker` what it has of them.
+//! Sparkplug says, `order_topics` orders of the shop, `part_outbox` the results that the broker acknowledges, `told_to_broker` what it has of them.
 
 mod broker_link;
 mod broker_settings;
 mod edge_node;
-mod order_inbox;
+mod order_topics;
 mod part_outbox;
 mod told_to_broker;
 
@@ -19,12 +19,13 @@ use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 use self::broker_link::{BrokerEvent, BrokerLink, BrokerLogin};
 use self::broker_settings::{BrokerSettings, TlsEnds};
 use self::edge_node::EdgeNode;
-use self::order_inbox::OrderInbox;
+use self::order_topics::OrderTopics;
 use self::part_outbox::PartOutbox;
+use crate::defs::date::DateTime;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::gateway::in_words;
-use crate::link::network::{BrokerState, BrokerView};
+use crate::link::network::{BrokerState, BrokerView, TlsView};
 use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
@@ -77,12 +78,14 @@ pub struct MqttClient {
     phase: Phase,
     node: Option<EdgeNode>,
     outbox: PartOutbox,
-    inbox: OrderInbox,
+    orders: OrderTopics,
     /// Why the last try has failed; none once the broker listens.
     failure: Option<LocalizedText>,
     /// When the next try is due, and the time to the one after it.
     retry_at: Duration,
     retry_time: Duration,
+    /// When the certificate of the control ends.
+    machine_until: Option<DateTime>,
     /// When the broker took the connection.
     since: Duration,
     sample_at: Duration,
@@ -103,10 +106,11 @@ impl MqttClient {
             is_on: false,
             phase: Phase::Waiting,
             node: None,
-            inbox: OrderInbox::default(),
+            orders: OrderTopics::default(),
             failure: None,
             retry_at: Duration::ZERO,
             retry_time: RETRY_TIMES[0],
+            machine_until: None,
             since: Duration::ZERO,
             sample_at: Duration::ZERO,
             write_at: Duration::ZERO,
@@ -119,7 +123,7 @@ impl MqttClient {
     /// With proposals of orders to a control.
     #[must_use]
     pub fn with_orders(self, proposals: Sender<OrderProposal>) -> Self {
-        Self { inbox: OrderInbox::new(proposals), ..self }
+        Self { orders: OrderTopics::new(proposals), ..self }
     }
 
     /// Connects, tells, keeps. `now` runs on from any begin; `time` is the time of day.
@@ -190,7 +194,7 @@ impl MqttClient {
         self.phase = Phase::Waiting;
         self.birth_wanted = false;
         self.outbox.connection_lost();
-        self.inbox.connection_lost();
+        self.orders.connection_lost();
         if let Some(node) = &mut self.node {
             node.connection_lost();
         }
@@ -230,7 +234,7 @@ impl MqttClient {
         };
         self.view.address = address;
         let opened = ends.and_then(|Dialed { settings, stream, tls }| {
-            self.view.is_encrypted = tls.is_some();
+            self.machine_until = tls.as_ref().and_then(|ends| ends.machine_until);
             let known = self.node.take().filter(|node| node.stands_for(&settings.group, snapshot));
             let node = self.node.insert(known.unwrap_or_else(|| EdgeNode::new(&settings.group, snapshot)));
             node.begin_session(self.outbox.told.take_session());
@@ -261,7 +265,10 @@ impl MqttClient {
             link.subscribe(&node.command_topic());
         }
         (self.since, self.failure) = (now, None);
-        self.view.connections += 1;
+        self.view.tls = link
+            .tls()
+            .map(|tls| TlsView { valid_until: [tls.valid_until, self.machine_until].into_iter().flatten().min() });
+        (self.view.refuses_topic, self.view.connections) = (false, self.view.connections + 1);
         self.phase = Phase::Connected(link);
     }
 
@@ -271,7 +278,7 @@ impl MqttClient {
         for event in link.step(now) {
             match event {
                 BrokerEvent::Received { topic, payload, is_retained } if topic == node.own_topic(ORDER_TOPIC) => {
-                    let answer = self.inbox.take(now, (&payload, is_retained), snapshot);
+                    let answer = self.orders.take(now, (&payload, is_retained), snapshot);
                     if link.has_room() {
                         link.publish(&node.own_topic(ANSWER_TOPIC), answer.into_bytes());
                     }
@@ -280,6 +287,7 @@ impl MqttClient {
                     self.birth_wanted |= node.asks_for_birth(&topic, &payload);
                 }
                 BrokerEvent::Acknowledged(packet) => self.outbox.acknowledged(packet),
+                BrokerEvent::TopicRefused => self.view.refuses_topic = true,
                 BrokerEvent::PingSent => node.ping_sent(),
                 BrokerEvent::PingAnswered => node.ping_answered(),
                 BrokerEvent::Accepted => {}
@@ -303,10 +311,10 @@ impl MqttClient {
             self.outbox.sent(result, packet);
             self.view.sent += 1;
         }
-        if self.inbox.begins(snapshot) {
+        if self.orders.begins(snapshot) {
             link.subscribe(&node.own_topic(ORDER_TOPIC));
         }
-        if let Some(list) = self.inbox.changed_list(snapshot) {
+        if let Some(list) = self.orders.changed_list(snapshot) {
             link.publish_retained(&node.own_topic(LIST_TOPIC), list.into_bytes());
         }
         link.send();

@@ -10,11 +10,12 @@ use opcua::server::address_space::AccessLevel;
 use opcua::server::authenticator::{
     AuthManager, Password, UserToken, user_pass_security_policy_id, user_pass_security_policy_uri,
 };
-use opcua::types::{Error, NodeId, StatusCode, UAString, UserTokenPolicy, UserTokenType};
+use opcua::types::{Error, Identifier, NodeId, StatusCode, UAString, UserTokenPolicy, UserTokenType};
 use serde::{Deserialize, Serialize};
 use tokio::sync::Semaphore;
 
-use super::node_manager::log_fault;
+use super::log::log_line;
+use super::production_plan;
 use crate::store::password;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 
@@ -27,10 +28,20 @@ const PARALLEL_TRIALS: usize = 2;
 /// After a wrong password its place is taken for so long: guessing is slow.
 const PENALTY: Duration = Duration::from_secs(1);
 
-/// The users by their names, with the hashes of their passwords.
+/// A user.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct UserAccount {
+    /// Hash of the password.
+    hash: String,
+    /// May propose orders.
+    #[serde(default)]
+    orders: bool,
+}
+
+/// The users by their names.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Users(BTreeMap<String, String>);
+pub struct Users(BTreeMap<String, UserAccount>);
 
 impl Users {
     /// Reads the file of a folder; without one there are no users.
@@ -53,16 +64,16 @@ impl Users {
         ron_file::write(&folder.join(FILE), ChecksumPolicy::Lenient, self)
     }
 
-    /// Adds a user or changes the password of one.
+    /// Adds a user or changes the password of one; says whether orders may be proposed.
     ///
     /// # Errors
     /// The name or the password is empty or too long, or no salt is to be had.
-    pub fn set(&mut self, name: &str, secret: &str) -> Result<(), String> {
+    pub fn set(&mut self, name: &str, secret: &str, orders: bool) -> Result<(), String> {
         if name.is_empty() || secret.is_empty() || name.len() > LONGEST || secret.len() > LONGEST {
             return Err(format!("a name and a password have 1 to {LONGEST} bytes"));
         }
         let hash = password::hash(secret).map_err(|error| error.to_string())?;
-        self.0.insert(name.to_owned(), hash);
+        self.0.insert(name.to_owned(), UserAccount { hash, orders });
         Ok(())
     }
 
@@ -71,9 +82,9 @@ impl Users {
         self.0.remove(name).is_some()
     }
 
-    /// Their names.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.0.keys().map(String::as_str)
+    /// Their names, and whether they may propose orders.
+    pub fn names(&self) -> impl Iterator<Item = (&str, bool)> {
+        self.0.iter().map(|(name, account)| (name.as_str(), account.orders))
     }
 
     /// Whether a password is that of a user. It takes as long for a name that nobody has.
@@ -82,7 +93,7 @@ impl Users {
         // A hash of nothing: no password has it.
         const NOBODY: &str =
             "$argon2id$v=19$m=19456,t=2,p=1$AAAAAAAAAAAAAAAAAAAAAA$AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA";
-        let hash = self.0.get(name).map_or(NOBODY, String::as_str);
+        let hash = self.0.get(name).map_or(NOBODY, |account| account.hash.as_str());
         secret.len() <= LONGEST && password::verify(secret, hash) && self.0.contains_key(name)
     }
 }
@@ -92,7 +103,13 @@ const LOOK_INTERVAL: Duration = Duration::from_secs(2);
 /// Begin of the name of a session's user.
 const TOKEN: &str = "user:";
 
-/// Lets users in, and lets them read.
+/// The user of a session.
+#[must_use]
+pub fn name_of(token: &UserToken) -> &str {
+    token.0.strip_prefix(TOKEN).unwrap_or_default()
+}
+
+/// Lets users in, lets them read, and some of them propose orders.
 pub struct Accounts {
     folder: PathBuf,
     trials: Semaphore,
@@ -108,20 +125,20 @@ impl Accounts {
         Self { folder, trials: Semaphore::new(PARALLEL_TRIALS), known }
     }
 
-    /// Whether the user of a session is still one.
-    fn is_user(&self, token: &UserToken) -> bool {
+    /// The account of a session's user; none if it was taken away.
+    fn account(&self, token: &UserToken) -> Option<UserAccount> {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if known.1.elapsed() >= LOOK_INTERVAL {
             *known = (read_or_none(&self.folder), Instant::now());
         }
-        token.0.strip_prefix(TOKEN).is_some_and(|name| known.0.0.contains_key(name))
+        known.0.0.get(name_of(token)).cloned()
     }
 }
 
 /// The users; none where the file cannot be read, which the log says.
 fn read_or_none(folder: &Path) -> Users {
     Users::read(folder).unwrap_or_else(|error| {
-        log_fault(&error.to_string());
+        log_line(&error.to_string());
         Users::default()
     })
 }
@@ -159,10 +176,13 @@ impl AuthManager for Accounts {
     }
 
     fn effective_user_access_level(&self, token: &UserToken, level: AccessLevel, _: &NodeId) -> AccessLevel {
-        if self.is_user(token) { level & AccessLevel::CURRENT_READ } else { AccessLevel::empty() }
+        if self.account(token).is_some() { level & AccessLevel::CURRENT_READ } else { AccessLevel::empty() }
     }
 
-    fn is_user_executable(&self, _: &UserToken, _: &NodeId) -> bool {
-        false
+    /// The one method is that for orders.
+    fn is_user_executable(&self, token: &UserToken, method: &NodeId) -> bool {
+        let is_order =
+            matches!(&method.identifier, Identifier::String(id) if id.as_ref().ends_with(production_plan::METHOD));
+        is_order && self.account(token).is_some_and(|account| account.orders)
     }
 }

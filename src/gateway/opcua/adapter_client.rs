@@ -10,6 +10,8 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 const READ_TIMEOUT: Duration = Duration::from_millis(200);
 /// Time between two pings: the control says that it expects one in 10 s.
 const PING_INTERVAL: Duration = Duration::from_secs(5);
+/// Time between two looks at the list of orders.
+const ORDERS_INTERVAL: Duration = Duration::from_secs(1);
 /// A control that says nothing for so long is gone.
 const LONGEST_SILENCE: Duration = Duration::from_secs(15);
 /// Longest line, bytes.
@@ -20,6 +22,7 @@ pub struct AdapterClient {
     stream: TcpStream,
     received: Vec<u8>,
     pinged_at: Instant,
+    asked_at: Instant,
     heard_at: Instant,
 }
 
@@ -35,14 +38,22 @@ impl AdapterClient {
                 Ok(mut stream) => {
                     stream.set_read_timeout(Some(READ_TIMEOUT))?;
                     stream.set_write_timeout(Some(CONNECT_TIMEOUT))?;
-                    stream.write_all(b"* PING\n")?;
+                    stream.write_all(b"* PING\n* ORDERS\n")?;
                     let now = Instant::now();
-                    return Ok(Self { stream, received: Vec::new(), pinged_at: now, heard_at: now });
+                    return Ok(Self { stream, received: Vec::new(), pinged_at: now, asked_at: now, heard_at: now });
                 }
                 Err(error) => last = error,
             }
         }
         Err(last)
+    }
+
+    /// Proposes an order, JSON in one line; the answer is a line that comes.
+    ///
+    /// # Errors
+    /// The connection has ended.
+    pub fn propose(&mut self, order: &str) -> std::io::Result<()> {
+        self.stream.write_all(format!("* ORDER {order}\n").as_bytes())
     }
 
     /// The whole lines that have come, waiting a moment for them.
@@ -53,6 +64,10 @@ impl AdapterClient {
         if self.pinged_at.elapsed() >= PING_INTERVAL {
             self.stream.write_all(b"* PING\n")?;
             self.pinged_at = Instant::now();
+        }
+        if self.asked_at.elapsed() >= ORDERS_INTERVAL {
+            self.stream.write_all(b"* ORDERS\n")?;
+            self.asked_at = Instant::now();
         }
         let mut bytes = [0; 16 * 1_024];
         match self.stream.read(&mut bytes) {

@@ -4,6 +4,8 @@
 
 use std::collections::BTreeMap;
 
+use serde::Deserialize;
+
 use crate::link::condition::{Condition, FAULT};
 
 /// Most data items and alarms that are remembered: a stream of nonsense takes no memory.
@@ -37,6 +39,26 @@ pub struct ToldAlarm {
     pub text: String,
 }
 
+/// An order of its list.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct ToldOrder {
+    /// Its number.
+    pub order: u32,
+    /// The name of its program.
+    pub name: String,
+    /// Good parts wanted.
+    pub parts: u32,
+    /// Parts that are not bad.
+    pub good: u32,
+    /// Bad parts.
+    pub bad: u32,
+    /// `proposed`, `waiting`, `active` or `closed`.
+    pub state: String,
+    /// What it asks for, by the names of the variables.
+    #[serde(default)]
+    pub values: BTreeMap<String, f64>,
+}
+
 /// What a line changes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AdapterEvent {
@@ -48,6 +70,10 @@ pub enum AdapterEvent {
     Raised(ToldAlarm),
     /// An alarm is over.
     Cleared(ToldAlarm),
+    /// The list of orders is another one.
+    Orders,
+    /// What became of the order that was proposed first (JSON).
+    OrderAnswer(String),
 }
 
 /// All that was told since the connection began.
@@ -57,6 +83,7 @@ pub struct AdapterState {
     pub identity: MachineIdentity,
     values: BTreeMap<String, String>,
     raised: BTreeMap<(String, String), ToldAlarm>,
+    orders: Vec<ToldOrder>,
     time: String,
     /// Whether a line has told the level of a condition: it follows the values in a welcome.
     has_conditions: bool,
@@ -115,6 +142,12 @@ impl AdapterState {
         self.raised.values()
     }
 
+    /// The orders, as told last.
+    #[must_use]
+    pub fn orders(&self) -> &[ToldOrder] {
+        &self.orders
+    }
+
     /// When the newest line was written: UTC by ISO 8601.
     #[must_use]
     pub fn time(&self) -> &str {
@@ -145,8 +178,7 @@ impl AdapterState {
     /// Takes a line of the stream without its end. One that is not understood changes nothing.
     pub fn take(&mut self, line: &str) -> Vec<AdapterEvent> {
         if let Some(command) = line.strip_prefix("* ") {
-            self.take_identity(command);
-            return Vec::new();
+            return self.take_command(command);
         }
         let mut fields = line.split('|');
         let time = fields.next().unwrap_or_default();
@@ -180,6 +212,22 @@ impl AdapterState {
         if (is_told("execution") || is_told("program")) && self.text("mode") == Some("AUTOMATIC") {
             self.program = self.text("execution").map_or(self.program, |execution| self.program.after(execution));
         }
+    }
+
+    fn take_command(&mut self, command: &str) -> Vec<AdapterEvent> {
+        if let Some(list) = command.strip_prefix("orders: ") {
+            let Ok(orders) = serde_json::from_str::<Vec<ToldOrder>>(list) else { return Vec::new() };
+            if orders == self.orders || orders.len() > MOST_ENTRIES {
+                return Vec::new();
+            }
+            self.orders = orders;
+            return vec![AdapterEvent::Orders];
+        }
+        if let Some(answer) = command.strip_prefix("order: ") {
+            return vec![AdapterEvent::OrderAnswer(answer.to_owned())];
+        }
+        self.take_identity(command);
+        Vec::new()
     }
 
     fn take_identity(&mut self, command: &str) {
@@ -313,6 +361,20 @@ mod tests {
         }
         let (homed, _) = told("t|mode|MANUAL|program|O1\nt|execution|ACTIVE\nt|execution|READY");
         assert_eq!(homed.program(), Some(Loaded), "homing is no run");
+    }
+
+    #[test]
+    fn the_orders_are_told_when_they_change() {
+        let (mut state, _) = told(WELCOME);
+        let line = "* orders: [{\"order\":701,\"program\":1002,\"name\":\"O1002\",\"parts\":50,\"good\":2,\"bad\":1,\
+            \"state\":\"active\",\"values\":{\"#521\":38.02}}]";
+        assert_eq!(state.take(line), [AdapterEvent::Orders]);
+        let order = &state.orders()[0];
+        assert_eq!((order.order, order.good, order.values.get("#521")), (701, 2, Some(&38.02)));
+        assert_eq!(state.take(line), [], "the same");
+        assert_eq!(state.take("* orders: [{]"), [], "no list");
+        assert_eq!(state.orders().len(), 1);
+        assert_eq!(state.take("* order: {}"), [AdapterEvent::OrderAnswer("{}".to_owned())]);
     }
 
     #[test]

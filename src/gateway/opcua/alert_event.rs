@@ -12,6 +12,7 @@ use opcua::types::{
 
 use super::adapter_state::ToldAlarm;
 use super::machine_tool::MachineNodes;
+use super::node_builder::path_of;
 
 /// Severities by OPC 40501-1: errors from 667, warnings from 334, messages below.
 const FAULT_SEVERITY: u16 = 800;
@@ -41,7 +42,7 @@ impl AlertEvent {
             [ObjectTypeId::ConditionType, ObjectTypeId::AcknowledgeableConditionType, ObjectTypeId::AlarmConditionType];
         event.types.extend(supertypes.map(NodeId::from));
         let name = format!("{} {}", alarm.condition.trim_start_matches("c_"), alarm.number);
-        let above = &nodes.messages.identifier;
+        let above = path_of(&nodes.messages);
         event.condition = Some(NodeId::new(nodes.messages.namespace, format!("{above}/{name}")));
         let state = |word: &str| Variant::from(LocalizedText::new("en", word));
         let fields = [
@@ -83,7 +84,7 @@ impl AlertEvent {
             ("EventId", Variant::from(opcua::crypto::random::byte_string(16))),
             ("EventType", Variant::from(kind.clone())),
             ("SourceNode", Variant::from(nodes.root.clone())),
-            ("SourceName", Variant::from(nodes.root.identifier.to_string())),
+            ("SourceName", Variant::from(path_of(&nodes.root))),
             ("Time", Variant::from(time)),
             ("ReceiveTime", Variant::from(DateTime::now())),
             ("Message", Variant::from(LocalizedText::new("en", text))),

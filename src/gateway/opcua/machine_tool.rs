@@ -10,64 +10,12 @@ use opcua::types::{
 };
 
 use super::adapter_state::{AdapterState, ProgramCourse};
+use super::node_builder::{
+    BoundVariable, ChildOf, Namespace, NamespaceIndices, NodeBuilder, Read, TypeNumber, VariableSpec,
+};
+use super::production_plan::ProductionPlan;
 use crate::link::condition::FAULT;
 use crate::link::data_item::{Category, DataItem, all_data_items};
-
-/// Namespace of the machine and of what the companion specification has no place for.
-pub const OWN_NAMESPACE: &str = "urn:kt830:machine";
-
-/// A namespace of the specifications.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Namespace {
-    /// OPC UA itself.
-    Ua,
-    /// Devices (OPC 10000-100).
-    Devices,
-    /// Machinery (OPC 40001-1).
-    Machinery,
-    /// Machine tools (OPC 40501-1).
-    MachineTool,
-    /// The machine.
-    Own,
-}
-
-impl Namespace {
-    /// All.
-    pub const ALL: [Self; 5] = [Self::Ua, Self::Devices, Self::Machinery, Self::MachineTool, Self::Own];
-
-    /// Its name.
-    #[must_use]
-    pub const fn uri(self) -> &'static str {
-        match self {
-            Self::Ua => "http://opcfoundation.org/UA/",
-            Self::Devices => "http://opcfoundation.org/UA/DI/",
-            Self::Machinery => "http://opcfoundation.org/UA/Machinery/",
-            Self::MachineTool => "http://opcfoundation.org/UA/MachineTool/",
-            Self::Own => OWN_NAMESPACE,
-        }
-    }
-}
-
-/// Index of each namespace in the server, in the order of [`Namespace::ALL`].
-#[derive(Clone, Copy, Debug)]
-pub struct NamespaceIndices(pub [u16; Namespace::ALL.len()]);
-
-impl NamespaceIndices {
-    /// The index of a namespace.
-    #[must_use]
-    pub const fn of(&self, namespace: Namespace) -> u16 {
-        self.0[namespace as usize]
-    }
-
-    /// A node of a specification.
-    #[must_use]
-    pub fn node(&self, (namespace, number): TypeNumber) -> NodeId {
-        NodeId::new(self.of(namespace), number)
-    }
-}
-
-/// A node of a specification: its namespace and number.
-type TypeNumber = (Namespace, u32);
 
 /// Numbers of the node sets.
 mod numbers {
@@ -110,17 +58,6 @@ pub const ALERT_NUMBER: u32 = 39;
 /// The concrete type of the messages: that of the specification is abstract.
 pub const MESSAGE_EVENT_TYPE: &str = "MessageEventType";
 
-/// How a variable is read from what the control tells; none where nothing is known.
-type Read = Box<dyn Fn(&AdapterState) -> Option<Variant> + Send + Sync>;
-
-/// A variable and how it is read.
-pub struct BoundVariable {
-    /// Its node.
-    pub id: NodeId,
-    /// How it is read.
-    pub read: Read,
-}
-
 /// The machine in the address space.
 pub struct MachineNodes {
     /// The variables that follow the control.
@@ -133,53 +70,13 @@ pub struct MachineNodes {
     pub message_types: [NodeId; 2],
     /// Type of the alarms.
     pub alert_type: NodeId,
-}
-
-/// What kind of child an object or a variable is.
-#[derive(Clone, Copy)]
-enum ChildOf {
-    Component,
-    Property,
-    AddIn,
-}
-
-impl ChildOf {
-    const fn reference(self) -> ReferenceTypeId {
-        match self {
-            Self::Component => ReferenceTypeId::HasComponent,
-            Self::Property => ReferenceTypeId::HasProperty,
-            Self::AddIn => ReferenceTypeId::HasAddIn,
-        }
-    }
-}
-
-/// A variable to be created.
-struct VariableSpec {
-    child: ChildOf,
-    namespace: Namespace,
-    name: &'static str,
-    data_type: NodeId,
-    kind: VariableTypeId,
-}
-
-impl VariableSpec {
-    fn new(child: ChildOf, namespace: Namespace, name: &'static str, data_type: impl Into<NodeId>) -> Self {
-        let kind = match child {
-            ChildOf::Property => VariableTypeId::PropertyType,
-            ChildOf::Component | ChildOf::AddIn => VariableTypeId::BaseDataVariableType,
-        };
-        Self { child, namespace, name, data_type: data_type.into(), kind }
-    }
-
-    /// The same, of another type of variables.
-    fn of(self, kind: VariableTypeId) -> Self {
-        Self { kind, ..self }
-    }
+    /// The orders.
+    pub plan: ProductionPlan,
 }
 
 /// Creates the machine that a control has told of.
 pub fn create(space: &mut AddressSpace, indices: NamespaceIndices, state: &AdapterState) -> MachineNodes {
-    let mut building = Building { space, indices, variables: Vec::new() };
+    let mut building = NodeBuilder { space, indices, variables: Vec::new() };
     let own = indices.of(Namespace::Own);
     let root = NodeId::new(own, state.identity.uuid.clone());
     let name = QualifiedName::new(own, state.identity.uuid.clone());
@@ -189,70 +86,16 @@ pub fn create(space: &mut AddressSpace, indices: NamespaceIndices, state: &Adapt
         .insert(building.space);
     building.identification(&root, state);
     building.monitoring(&root);
-    building.production(&root);
+    let plan = building.production(&root);
     building.equipment(&root, state);
     let messages = building.notification(&root);
     building.data_items(&root, state);
     let message_types = [building.message_type(), indices.node(numbers::NOTIFICATION_EVENT)];
     let alert_type = indices.node(numbers::ALERT);
-    MachineNodes { variables: building.variables, root, messages, message_types, alert_type }
+    MachineNodes { variables: building.variables, root, messages, message_types, alert_type, plan }
 }
 
-struct Building<'a> {
-    space: &'a mut AddressSpace,
-    indices: NamespaceIndices,
-    variables: Vec<BoundVariable>,
-}
-
-impl Building<'_> {
-    fn child_id(&self, parent: &NodeId, name: &str) -> NodeId {
-        let opcua::types::Identifier::String(above) = &parent.identifier else { return parent.clone() };
-        NodeId::new(self.indices.of(Namespace::Own), format!("{above}/{name}"))
-    }
-
-    fn object(
-        &mut self,
-        parent: &NodeId,
-        child: ChildOf,
-        (namespace, name): (Namespace, &str),
-        kind: TypeNumber,
-    ) -> NodeId {
-        let id = self.child_id(parent, name);
-        ObjectBuilder::new(&id, QualifiedName::new(self.indices.of(namespace), name), name)
-            .has_type_definition(self.indices.node(kind))
-            .insert(self.space);
-        self.space.insert_reference(parent, &id, child.reference());
-        id
-    }
-
-    fn component(&mut self, parent: &NodeId, name: &str, kind: TypeNumber) -> NodeId {
-        self.object(parent, ChildOf::Component, (Namespace::MachineTool, name), kind)
-    }
-
-    /// A variable that never changes.
-    fn fixed(&mut self, parent: &NodeId, row: VariableSpec, value: impl Into<Variant>) -> NodeId {
-        let id = self.child_id(parent, row.name);
-        VariableBuilder::new(&id, QualifiedName::new(self.indices.of(row.namespace), row.name), row.name)
-            .has_type_definition(row.kind)
-            .data_type(row.data_type)
-            .value(value)
-            .insert(self.space);
-        self.space.insert_reference(parent, &id, row.child.reference());
-        id
-    }
-
-    /// A variable that follows the control.
-    fn bound(
-        &mut self,
-        parent: &NodeId,
-        row: VariableSpec,
-        read: impl Fn(&AdapterState) -> Option<Variant> + Send + Sync + 'static,
-    ) -> NodeId {
-        let id = self.fixed(parent, row, Variant::Empty);
-        self.variables.push(BoundVariable { id: id.clone(), read: Box::new(read) });
-        id
-    }
-
+impl NodeBuilder<'_> {
     /// A percentage that follows a data item.
     fn percentage(&mut self, parent: &NodeId, name: &'static str, item: &'static str, most: f64) {
         let row = VariableSpec::new(ChildOf::Component, Namespace::MachineTool, name, DataTypeId::Double)
@@ -328,7 +171,7 @@ impl Building<'_> {
         VariableSpec::new(ChildOf::Component, Namespace::MachineTool, name, self.indices.node(kind))
     }
 
-    fn production(&mut self, root: &NodeId) {
+    fn production(&mut self, root: &NodeId) -> ProductionPlan {
         let at = self.component(root, "Production", numbers::PRODUCTION);
         let program = self.component(&at, "ActiveProgram", numbers::ACTIVE_PROGRAM);
         let row = VariableSpec::new(ChildOf::Property, Namespace::MachineTool, "Name", DataTypeId::String);
@@ -356,6 +199,7 @@ impl Building<'_> {
             DataTypeId::UInt32,
         );
         self.bound(&statistics, row, |state| Some(Variant::UInt32(state.number("parts_all")? as u32)));
+        ProductionPlan::create(self, &at)
     }
 
     /// The wheel is the one tool; a lathe tells none.

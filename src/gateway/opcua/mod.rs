@@ -1,7 +1,8 @@
 //! `kt830 opcua`: an OPC UA server for a control, in a process of its own. It takes what the control tells at its adapter
-//! port (P480) and nothing else: whatever a client of OPC UA does, or a fault of the server, does not reach the control.
+//! port (P480), and hands on the orders that clients propose: nothing else that a client of OPC UA does, nor a fault of the
+//! server, reaches the control.
 //! Files: `adapter_state` what the control tells, `adapter_client` the connection to it, `machine_tool` the machine in the
-//! address space, `node_manager` the address space, `alert_event` alarms and messages, `accounts` users, `certificates`, `gatekeeper` what
+//! address space, `production_plan` its orders, `order_desk` orders on their way to the control, `node_builder`,  `node_manager` the address space, `alert_event` alarms and messages, `accounts` users, `certificates`, `gatekeeper` what
 //! stands before the library.
 //! Source: OPC 10000 (OPC UA), OPC 40501-1 (machine tools).
 
@@ -17,11 +18,19 @@ pub mod certificates;
 #[cfg(feature = "opcua")]
 mod gatekeeper;
 #[cfg(feature = "opcua")]
+mod log;
+#[cfg(feature = "opcua")]
 mod machine_tool;
+#[cfg(feature = "opcua")]
+mod node_builder;
 #[cfg(feature = "opcua")]
 mod node_manager;
 #[cfg(feature = "opcua")]
 mod opcua_server;
+#[cfg(feature = "opcua")]
+mod order_desk;
+#[cfg(feature = "opcua")]
+mod production_plan;
 
 #[cfg(feature = "opcua")]
 pub use accounts::Users;

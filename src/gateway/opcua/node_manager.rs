@@ -1,5 +1,5 @@
-//! The address space: the specifications from their node sets, and the machine. Clients read; nothing can be written or
-//! called.
+//! The address space: the specifications from their node sets, and the machine. Clients read, and may propose orders;
+//! nothing can be written.
 
 use std::sync::Arc;
 
@@ -9,11 +9,16 @@ use opcua::server::diagnostics::NamespaceMetadata;
 use opcua::server::node_manager::memory::{
     InMemoryNodeManager, InMemoryNodeManagerImpl, InMemoryNodeManagerImplBuilder,
 };
-use opcua::server::node_manager::{NodeManager, RequestContext, ServerContext};
-use opcua::types::{NodeClass, NodeId, ObjectTypeId, QualifiedName};
+use opcua::server::node_manager::{MethodCall, NodeManager, RequestContext, ServerContext};
+use opcua::sync::RwLock;
+use opcua::types::{NodeClass, NodeId, ObjectTypeId, QualifiedName, StatusCode, Variant};
 
+use super::accounts;
 use super::adapter_state::AdapterState;
-use super::machine_tool::{self, MachineNodes, Namespace, NamespaceIndices};
+use super::log::log_line;
+use super::machine_tool::{self, MachineNodes};
+use super::node_builder::{Namespace, NamespaceIndices};
+use super::order_desk::{self, OrderDesk, ProposalAnswer};
 
 /// The manager of the machine's nodes.
 pub type MachineNodeManager = InMemoryNodeManager<MachineAddressSpace>;
@@ -28,10 +33,15 @@ const NODE_SETS: [&str; 6] = [
     include_str!("../../../assets/opcua/Opc.Ua.MachineTool.NodeSet2.xml"),
 ];
 
+/// Longest order in the log, characters.
+const LONGEST_LOG: usize = 300;
+
 /// Builds the address space for a machine.
 pub struct MachineBuilder {
     /// What the control has told.
     pub state: AdapterState,
+    /// Where orders are handed in.
+    pub desk: OrderDesk,
 }
 
 impl InMemoryNodeManagerImplBuilder for MachineBuilder {
@@ -58,15 +68,8 @@ impl InMemoryNodeManagerImplBuilder for MachineBuilder {
         };
         let nodes = Arc::new(machine_tool::create(space, indices, &self.state));
         let namespaces = space.namespaces().iter().map(of_namespace).collect();
-        MachineAddressSpace { nodes, namespaces, fault }
+        MachineAddressSpace { nodes, namespaces, fault, desk: self.desk }
     }
-}
-
-/// Writes a fault to the log.
-pub fn log_fault(text: &str) {
-    use std::io::Write;
-    // A log that cannot be written is no reason to end.
-    drop(writeln!(std::io::stderr(), "kt830 opcua: {text}"));
 }
 
 /// The machine's part of the address space.
@@ -76,6 +79,7 @@ pub struct MachineAddressSpace {
     /// What is wrong with a node set.
     pub fault: Option<String>,
     namespaces: Vec<NamespaceMetadata>,
+    desk: OrderDesk,
 }
 
 #[async_trait::async_trait]
@@ -88,6 +92,42 @@ impl InMemoryNodeManagerImpl for MachineAddressSpace {
 
     fn namespaces(&self) -> Vec<NamespaceMetadata> {
         self.namespaces.clone()
+    }
+
+    async fn call(
+        &self,
+        context: &RequestContext,
+        _: &RwLock<AddressSpace>,
+        calls: &mut [&mut &mut MethodCall],
+    ) -> Result<(), StatusCode> {
+        for call in calls.iter_mut().filter(|call| *call.method_id() == self.nodes.plan.method) {
+            match self.propose(context, call.arguments()).await {
+                Ok(answer) => {
+                    let reason = answer.why.unwrap_or_default();
+                    call.set_outputs(vec![Variant::Boolean(answer.proposed), Variant::from(reason)]);
+                    call.set_status(StatusCode::Good);
+                }
+                Err(status) => call.set_status(status),
+            }
+        }
+        Ok(())
+    }
+}
+
+impl MachineAddressSpace {
+    /// Hands an order in for a user, and logs what became of it.
+    async fn propose(&self, context: &RequestContext, arguments: &[Variant]) -> Result<ProposalAnswer, StatusCode> {
+        let text = order_desk::order_text(arguments)?;
+        let answered = self.desk.propose(text.clone()).await;
+        let user = accounts::name_of(&context.token);
+        // A long one is refused: the log does not need all of it.
+        let text: String = text.chars().take(LONGEST_LOG).collect();
+        match &answered {
+            Ok(ProposalAnswer { why: None, .. }) => log_line(&format!("{user} proposes {text}")),
+            Ok(ProposalAnswer { why: Some(why), .. }) => log_line(&format!("{user} proposes {text}: refused: {why}")),
+            Err(status) => log_line(&format!("{user} proposes {text}: {status}")),
+        }
+        answered
     }
 }
 

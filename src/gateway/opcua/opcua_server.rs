@@ -1,29 +1,35 @@
 //! The server: waits for a control, shows it to clients, and begins anew when it is another machine or when nobody is
 //! connected any more.
 
+use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use crossbeam_channel::Receiver;
 use opcua::crypto::SecurityPolicy;
 use opcua::nodes::Event;
 use opcua::server::node_manager::ServerContext;
 use opcua::server::node_manager::memory::InMemoryNodeManagerBuilder;
 use opcua::server::{Limits, ServerBuilder, ServerEndpoint, ServerHandle, SubscriptionLimits};
-use opcua::types::{BuildInfo, DataValue, DateTime, MessageSecurityMode, StatusCode, VariableId, Variant};
+use opcua::types::{BuildInfo, DataValue, DateTime, MessageSecurityMode, NodeId, StatusCode, VariableId, Variant};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
+use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
 use super::accounts::Accounts;
 use super::adapter_client::AdapterClient;
-use super::adapter_state::{AdapterEvent, AdapterState};
+use super::adapter_state::{AdapterEvent, AdapterState, ToldOrder};
 use super::alert_event::AlertEvent;
 use super::certificates::{self, OWN_CERTIFICATE, PRIVATE_KEY};
 use super::gatekeeper;
+use super::log::log_line;
 use super::machine_tool::MachineNodes;
-use super::node_manager::{EventFields, MachineBuilder, MachineNodeManager, log_fault};
+use super::node_manager::{EventFields, MachineBuilder, MachineNodeManager};
+use super::order_desk::{OrderCall, OrderDesk};
 
 /// Time between two trials to reach the control.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
@@ -159,7 +165,8 @@ impl OpcUaServer {
         let (mut client, mut idle) = (Some(client), IdleWatch::default());
         running.show(Some(state));
         while !is_over() {
-            match client.as_mut().map(AdapterClient::lines) {
+            let lines = client.as_mut().map(|client| running.propose(client).and_then(|()| client.lines()));
+            match lines {
                 Some(Ok(lines)) => {
                     let identity = state.identity.clone();
                     running.take(&lines, state);
@@ -170,7 +177,7 @@ impl OpcUaServer {
                 Some(Err(_)) => {
                     client = None;
                     tell("the control is silent");
-                    running.show(None);
+                    running.show_silence();
                 }
                 None => {
                     std::thread::sleep(RETRY_INTERVAL);
@@ -263,6 +270,12 @@ struct Running {
     nodes: Arc<MachineNodes>,
     clock: SteadyClock,
     folder: PathBuf,
+    /// Orders that clients hand in.
+    calls: Receiver<OrderCall>,
+    /// Who waits for the answers of the control, in their order.
+    waiting: RefCell<VecDeque<oneshot::Sender<String>>>,
+    /// The orders that have jobs in the plan.
+    jobs: RefCell<Vec<ToldOrder>>,
 }
 
 impl Running {
@@ -270,8 +283,9 @@ impl Running {
     async fn start(settings: &OpcUaSettings, listener: Arc<TcpListener>, state: &AdapterState) -> Result<Self, String> {
         let inner = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await.map_err(|error| error.to_string())?;
         let address = inner.local_addr().map_err(|error| error.to_string())?;
+        let (desk, calls) = OrderDesk::open();
         let builder = builder(settings)
-            .with_node_manager(InMemoryNodeManagerBuilder::new(MachineBuilder { state: state.clone() }))
+            .with_node_manager(InMemoryNodeManagerBuilder::new(MachineBuilder { state: state.clone(), desk }))
             .with_node_manager(|_: ServerContext| EventFields);
         let (server, handle) = builder.build()?;
         let manager = handle.node_managers().get_of_type::<MachineNodeManager>();
@@ -283,7 +297,18 @@ impl Running {
         let task = tokio::spawn(server.run_with(inner));
         let gate = tokio::spawn(gatekeeper::keep(listener, address, settings.folder.clone()));
         let folder = settings.folder.clone();
-        Ok(Self { handle, task, gate, manager, nodes, clock: SteadyClock::new(), folder })
+        Ok(Self {
+            handle,
+            task,
+            gate,
+            manager,
+            nodes,
+            clock: SteadyClock::new(),
+            folder,
+            calls,
+            waiting: RefCell::default(),
+            jobs: RefCell::default(),
+        })
     }
 
     /// Ends the connections.
@@ -308,7 +333,7 @@ impl Running {
 
     fn event_of(&self, change: AdapterEvent, time: DateTime) -> Option<AlertEvent> {
         Some(match change {
-            AdapterEvent::Value(_) => return None,
+            AdapterEvent::Value(_) | AdapterEvent::Orders | AdapterEvent::OrderAnswer(_) => return None,
             AdapterEvent::Message(text) if text.is_empty() => return None,
             AdapterEvent::Message(text) => AlertEvent::of_message(&self.nodes, &text, time),
             AdapterEvent::Raised(alarm) => AlertEvent::of_alarm(&self.nodes, &alarm, true, time),
@@ -326,8 +351,14 @@ impl Running {
         let (mut is_changed, mut events) = (false, Vec::new());
         for line in lines {
             for event in state.take(line) {
-                is_changed = true;
-                events.extend(self.event_of(event, time_of(state)));
+                match event {
+                    AdapterEvent::Orders => self.show_plan(Some(state)),
+                    AdapterEvent::OrderAnswer(answer) => self.answer(answer),
+                    event => {
+                        is_changed = true;
+                        events.extend(self.event_of(event, time_of(state)));
+                    }
+                }
             }
         }
         if is_changed {
@@ -336,28 +367,67 @@ impl Running {
         self.tell(&events);
     }
 
+    /// Hands the orders of clients on to the control.
+    fn propose(&self, client: &mut AdapterClient) -> std::io::Result<()> {
+        for OrderCall { text, answer } in self.calls.try_iter() {
+            client.propose(&text)?;
+            self.waiting.borrow_mut().push_back(answer);
+        }
+        Ok(())
+    }
+
+    /// The control has answered the order that was handed on first.
+    fn answer(&self, answer: String) {
+        if let Some(waiting) = self.waiting.borrow_mut().pop_front() {
+            // Who waited too long is gone.
+            drop(waiting.send(answer));
+        }
+    }
+
+    /// Nothing is known of the control any more.
+    fn show_silence(&self) {
+        self.waiting.borrow_mut().clear();
+        self.show(None);
+        self.show_plan(None);
+    }
+
+    /// Shows the orders, or that there is no control.
+    fn show_plan(&self, state: Option<&AdapterState>) {
+        let mut jobs = self.jobs.borrow_mut();
+        if let Some(state) = state {
+            self.nodes.plan.change(&mut self.manager.address_space().write(), &jobs, state.orders());
+            state.orders().clone_into(&mut jobs);
+        }
+        let values = self.nodes.plan.values(&jobs);
+        self.set(values.iter().map(|(id, value)| (id, state.map(|_| Some(value.clone())))));
+    }
+
     /// Shows the values of a control, or that there is none.
     fn show(&self, state: Option<&AdapterState>) {
+        self.set(self.nodes.variables.iter().map(|variable| (&variable.id, state.map(|state| (variable.read)(state)))));
+    }
+
+    /// Sets variables: none without a control, and none in that where nothing is known.
+    fn set<'a>(&self, variables: impl Iterator<Item = (&'a NodeId, Option<Option<Variant>>)>) {
         let time = self.clock.now();
-        let values = self.nodes.variables.iter().map(|variable| {
-            let value = state.and_then(|state| (variable.read)(state));
-            let status = match (state, &value) {
-                (None, _) => StatusCode::BadNoCommunication,
-                (_, None) => StatusCode::BadNoData,
-                _ => StatusCode::Good,
+        let values = variables.map(|(id, told)| {
+            let status = match &told {
+                None => StatusCode::BadNoCommunication,
+                Some(None) => StatusCode::BadNoData,
+                Some(Some(_)) => StatusCode::Good,
             };
             let value = DataValue {
                 // Without a value the library would show the status as good.
-                value: Some(value.unwrap_or(Variant::Empty)),
+                value: Some(told.flatten().unwrap_or(Variant::Empty)),
                 status: Some(status),
                 source_timestamp: Some(time),
                 server_timestamp: Some(time),
                 ..DataValue::default()
             };
-            (&variable.id, None, value)
+            (id, None, value)
         });
         if let Err(status) = self.manager.set_values(self.handle.subscriptions(), values) {
-            log_fault(&format!("values: {status}"));
+            log_line(&format!("values: {status}"));
         }
     }
 

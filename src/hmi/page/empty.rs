@@ -5,7 +5,7 @@ use egui::{Rect, TextureId, pos2, vec2};
 
 use crate::hmi::pictogram::{self, PictogramShape};
 use crate::hmi::{View, theme};
-use crate::link::command::FileFault;
+use crate::link::screens::FileFault;
 
 /// A pictogram, a sentence, and the remedy below it.
 pub fn show(view: &View<'_>, rect: Rect, marks: &[PictogramShape], what: &str, remedy: &str) {

@@ -21,7 +21,7 @@ use crate::hmi::variable_entry::{self, VariableEntry};
 use crate::hmi::{
     Area, EditKey, FieldEditor, KeycapState, ValueField, View, keycap, page_frame as lines, pictogram, theme, widget,
 };
-use crate::link::command::{FileFault, Picture, ScreenFiles};
+use crate::link::screens::{FileFault, Picture, ScreenFiles};
 use crate::link::snapshot::AlarmView;
 use crate::link::{Command, Snapshot};
 use crate::units::Micros;

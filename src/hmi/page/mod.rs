@@ -46,7 +46,7 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::text::Lang;
 use crate::hmi::{FieldEditor, KeyboardInput, Login, View};
-use crate::link::command::Picture;
+use crate::link::screens::Picture;
 use crate::link::{Command, Snapshot};
 pub use input_line::InputPrompt;
 pub use scroll::{Scroll, ScrollList, VisibleRows};

@@ -6,7 +6,7 @@ use egui::{Color32, Rect, vec2};
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
 use crate::link::data_item::{Category, DataItem, data_items};
-use crate::link::network::{BrokerState, BrokerView, ServiceState, ServiceView};
+use crate::link::network::{BrokerState, BrokerView, ServiceState, ServiceView, TlsView};
 
 /// Height of a line of a service, and of its card with the gap below it.
 const LINE_HEIGHT: f32 = 27.0;
@@ -16,6 +16,8 @@ const SERVICE_WIDTH: f32 = 112.0;
 const NAME_SHARE: f32 = 0.46;
 /// Width of a lamp.
 const LAMP_WIDTH: f32 = 40.0;
+/// A certificate that ends so soon is marked: thirty days, s.
+const SOON: i64 = 30 * 86_400;
 /// Height of a row of the list.
 const ROW_HEIGHT: f32 = 30.0;
 /// Shares of the columns of the list: what it is, value, name and unit for the network.
@@ -78,6 +80,8 @@ struct ServiceLines<'a> {
     state: (String, Color32),
     /// What the counts are, and the counts.
     counts: (&'a str, String),
+    /// How its connections are encrypted.
+    tls: Option<(String, Color32)>,
 }
 
 /// Who is connected to a service, and its counts.
@@ -97,6 +101,7 @@ fn service_lines<'a>(view: &View<'a>, name: &'a str, service: &ServiceView) -> S
         address: service.address.clone(),
         state,
         counts: (view.text("发送 / 拒绝 / 断开", "sent / refused / dropped"), counts),
+        tls: service.tls.map(|tls| tls_line(view, tls)),
     }
 }
 
@@ -106,8 +111,12 @@ fn broker_lines<'a>(view: &View<'a>, broker: &BrokerView) -> ServiceLines<'a> {
     let state = match &broker.state {
         BrokerState::Off => muted("关", "off"),
         BrokerState::Connecting => muted("正在连接", "connecting"),
-        BrokerState::Connected if broker.is_encrypted => {
-            (view.text("已连接，加密", "connected, encrypted").to_owned(), view.theme.text)
+        BrokerState::Connected if broker.refuses_topic => (
+            view.text("已连接，但不许接收订单等主题", "connected, but a topic (orders) is refused").to_owned(),
+            view.theme.hold,
+        ),
+        BrokerState::Connected if broker.tls.is_some() => {
+            (view.text("已连接", "connected").to_owned(), view.theme.text)
         }
         BrokerState::Connected => (view.text("已连接，未加密", "connected, not encrypted").to_owned(), view.theme.text),
         BrokerState::Failed(why) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
@@ -119,7 +128,24 @@ fn broker_lines<'a>(view: &View<'a>, broker: &BrokerView) -> ServiceLines<'a> {
         address: broker.address.clone(),
         state,
         counts: (view.text("发送 / 待发 / 丢失 / 连接次数", "sent / waiting / lost / connections"), counts),
+        tls: broker.tls.map(|tls| tls_line(view, tls)),
     }
+}
+
+/// Until when the certificates of encrypted connections are valid; what ends soon is marked.
+fn tls_line(view: &View<'_>, tls: TlsView) -> (String, Color32) {
+    let Some(end) = tls.valid_until else {
+        return (view.text("加密", "encrypted").to_owned(), view.theme.text);
+    };
+    let [year, month, day, ..] = end.parts();
+    let left = view.snapshot.date.map(|now| end.0 - now.0);
+    let ink = match left {
+        Some(..=0) => view.theme.alarm_text,
+        Some(..=SOON) => view.theme.hold,
+        _ => view.theme.text,
+    };
+    let words = view.text("加密，证书至", "encrypted, certificate until");
+    (format!("{words} {year}-{month:02}-{day:02}"), ink)
 }
 
 /// State and address of a service, who is connected, and its counts.
@@ -136,7 +162,14 @@ fn show_service(rect: Rect, view: &View<'_>, lines: &ServiceLines<'_>) {
     let (left, right) =
         inside.band(LINE_HEIGHT, LINE_HEIGHT).with_min_x(rest.min.x).split_left_right_at_fraction(NAME_SHARE);
     view.fit_left(left, lines.counts.0, theme::LABEL, view.theme.muted);
-    view.fit_left(right, &lines.counts.1, theme::LABEL, view.theme.text);
+    let counts = match &lines.tls {
+        Some((words, ink)) => {
+            let shown = view.line_right(right, words, theme::LABEL, *ink);
+            right.with_max_x(shown.min.x - theme::GAP)
+        }
+        None => right,
+    };
+    view.fit_left(counts, &lines.counts.1, theme::LABEL, view.theme.text);
 }
 
 /// What a data item is, its value, and how the network knows it.

@@ -3,6 +3,7 @@
 
 mod mqtt;
 mod mtconnect;
+mod orders;
 mod test_broker;
 mod web_view;
 

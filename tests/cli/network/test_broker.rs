@@ -50,6 +50,8 @@ pub enum Manners {
     EarlyPong,
     /// It takes the connection twice.
     Twice,
+    /// It lets nobody listen to a topic.
+    Unsubscribed,
 }
 
 /// The connection of a client.
@@ -221,7 +223,10 @@ impl TestBroker {
             }
             Packet::V3_1_1Subscribe(subscribe) => {
                 self.has_subscription = true;
-                let codes = vec![SubackReturnCode::SuccessMaximumQos1];
+                let codes = vec![match self.manners {
+                    Manners::Unsubscribed => SubackReturnCode::Failure,
+                    _ => SubackReturnCode::SuccessMaximumQos1,
+                }];
                 let answer = Suback::builder().packet_id(subscribe.packet_id()).return_codes(codes).build().unwrap();
                 let events = client.protocol.checked_send(answer);
                 client.send_all(events);

@@ -12,7 +12,7 @@ use crate::hmi::page::program::actions::{EDIT_FIRST, NOTHING_TO_SAVE};
 use crate::hmi::widget::{self, page_keys};
 use crate::hmi::{Area, PageKey, View, requests};
 use crate::link::Command;
-use crate::link::command::ScreenFiles;
+use crate::link::screens::ScreenFiles;
 
 page_keys! {
     /// Action of a key.

@@ -20,10 +20,11 @@ use crate::hmi::{
     Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, PageMessage, PendingRequests,
     QuestionDialog, RequestEvent, TypedInput, View, file_command, letter_pad, pictogram, requests, theme, widget,
 };
-use crate::link::command::Picture;
 use crate::link::files::{FileRequest, Refusal, Requester};
 use crate::link::page_file::{PageFile, PageTextId, PictureLocation};
-use crate::link::snapshot::{PROGRAMS_WITH_PAGE, RunState};
+use crate::link::screens::PROGRAMS_WITH_PAGE;
+use crate::link::screens::Picture;
+use crate::link::snapshot::RunState;
 use crate::link::{Command, Snapshot};
 
 /// Height of the message line.

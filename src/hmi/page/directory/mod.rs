@@ -19,7 +19,8 @@ use crate::hmi::{
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
 use crate::link::page_command::PasswordScope;
-use crate::link::snapshot::{PROGRAMS_WITH_PAGE, RunState};
+use crate::link::screens::PROGRAMS_WITH_PAGE;
+use crate::link::snapshot::RunState;
 use list::ProgramList;
 
 /// Why a program cannot be made, copied, renamed or deleted now.

@@ -9,7 +9,7 @@ use crate::defs::page::Page;
 use crate::hmi::scene::{self, MachineScene, Magnifier};
 use crate::hmi::{Area, PageKey, View, theme, widget};
 use crate::link::Command;
-use crate::link::command::ScreenFiles;
+use crate::link::screens::ScreenFiles;
 
 /// Least height of the view of the contact below the picture.
 const LEAST_CONTACT_VIEW: f32 = 90.0;

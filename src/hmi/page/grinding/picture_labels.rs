@@ -7,7 +7,7 @@ use egui::{Pos2, Rect, vec2};
 
 use crate::defs::page_text::{PageText, PageTextRow};
 use crate::hmi::{View, theme};
-use crate::link::command::{PictureLabel, ScreenFiles};
+use crate::link::screens::{PictureLabel, ScreenFiles};
 
 /// How far beside a number a touch still means it, points.
 const REACH: f32 = 26.0;

@@ -5,6 +5,7 @@
 mod figures;
 mod oee;
 mod order_form;
+mod order_values;
 mod report;
 mod shifts;
 
@@ -80,6 +81,15 @@ const PLACES: usize = FIELDS.len() + KEYS.len();
 const NOT_ENTERED: Text = Text::new("键入的数值还没有存入", "the typed figures are not entered yet: press ENTER first");
 const CHOOSE: Text = Text::new("先选一个订单，或键入新的", "choose an order first, or enter a new one");
 
+/// What the page asks about an order of this number.
+#[derive(Clone, Copy, Debug)]
+enum JobQuestion {
+    /// Whether it is deleted.
+    Delete(u32),
+    /// Whether its values replace those of the page.
+    TakeValues(u32),
+}
+
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct JobsPage {
@@ -87,7 +97,7 @@ pub struct JobsPage {
     cursor: usize,
     entry: OrderEntry,
     scroll: Scroll,
-    question: QuestionDialog<u32>,
+    question: QuestionDialog<JobQuestion>,
     /// The day of the machine is shown, so many days ago; none: the orders.
     day_back: Option<u64>,
     walk: KeyboardFocus,
@@ -132,9 +142,15 @@ impl PageUi for JobsPage {
         }
         self.keys(keys, view, out);
         self.input(input, view);
-        if let Some((number, Some(_))) = self.question.ui(rect, view, &typed.edits) {
-            self.entry = OrderEntry::default();
-            out.push(Command::Order(OrderCommand::Delete(number)));
+        match self.question.ui(rect, view, &typed.edits) {
+            Some((JobQuestion::Delete(number), Some(_))) => {
+                self.entry = OrderEntry::default();
+                out.push(Command::Order(OrderCommand::Delete(number)));
+            }
+            Some((JobQuestion::TakeValues(number), Some(key))) => {
+                out.push(Command::Order(OrderCommand::Start { number, takes_values: key == 0 }));
+            }
+            Some((_, None)) | None => {}
         }
     }
 }
@@ -262,6 +278,17 @@ impl JobsPage {
         if key == JobKey::Close && is_proposed { JobKey::Accept } else { key }
     }
 
+    /// Starts an order; asks first if it has other values than the page.
+    fn start(&mut self, order: &ProductionOrder, view: &View<'_>, out: &mut Vec<Command>) {
+        match order_values::question(view, order) {
+            Some(question) => self.question.ask(JobQuestion::TakeValues(order.number), question),
+            None => {
+                let command = OrderCommand::Start { number: order.number, takes_values: false };
+                out.push(Command::Order(command));
+            }
+        }
+    }
+
     fn press(&mut self, key: JobKey, view: &View<'_>, out: &mut Vec<Command>) {
         self.typing.clear();
         if key == JobKey::Enter {
@@ -278,13 +305,12 @@ impl JobsPage {
         let Some(order) = order else { return self.typing.refused = Some(CHOOSE.into()) };
         match key {
             JobKey::Start | JobKey::Accept if self.entry.is_changed() => self.typing.refused = Some(NOT_ENTERED.into()),
-            JobKey::Start => out.push(Command::Order(OrderCommand::Start(order.number))),
+            JobKey::Start => self.start(order, view, out),
             JobKey::Accept => {
-                let ProductionOrder { number, program, target, .. } = *order;
-                out.push(Command::Order(OrderCommand::Accept(OrderProposal { number, program, target })));
+                out.push(Command::Order(OrderCommand::Accept(OrderProposal::from(order))));
             }
             JobKey::Close => out.push(Command::Order(OrderCommand::Close(order.number))),
-            JobKey::Delete => self.question.ask(order.number, delete_question(order)),
+            JobKey::Delete => self.question.ask(JobQuestion::Delete(order.number), delete_question(order)),
             JobKey::Report => {
                 let text = report::html(view.lang, view.snapshot, order);
                 out.push(file_command(Requester::Screen, FileRequest::SaveReport(text)));

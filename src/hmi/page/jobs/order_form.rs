@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use egui::{Rect, vec2};
 
-use super::{figures, parts_of};
+use super::{figures, order_values, parts_of};
 use crate::defs::production_order::{ORDER_NUMBERS, ORDER_TARGETS, ProductionOrder};
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::{Area, FieldEditor, ValueField, View, keycap, theme};
@@ -144,12 +144,14 @@ fn made(rect: Rect, view: &View<'_>, entry: &OrderEntry) {
     let order = entry.chosen().and_then(|number| view.snapshot.production.order(number));
     let Some(order) = order else { return };
     let parts: Vec<_> = parts_of(view.snapshot, order).collect();
-    for (index, (name, value)) in figures::figures(view.lang, order, &parts).into_iter().enumerate() {
+    let values = order_values::lines(view, order).into_iter();
+    let figures = figures::figures(view.lang, order, &parts).into_iter().map(|(name, value)| (name.to_owned(), value));
+    for (index, (name, value)) in values.chain(figures).enumerate() {
         let line = rect.band(index as f32 * LINE_HEIGHT, LINE_HEIGHT);
         if line.max.y > rect.max.y {
             break;
         }
         let shown = view.line_right(line, &value, theme::LABEL, view.theme.text);
-        view.fit_left(line.with_max_x(shown.min.x - theme::GAP), name, theme::LABEL, view.theme.muted);
+        view.fit_left(line.with_max_x(shown.min.x - theme::GAP), &name, theme::LABEL, view.theme.muted);
     }
 }
