@@ -14,7 +14,9 @@ CREATE TABLE part (
     max_mm double precision,
     verdict text,
     is_bad boolean,
-    since_dressing bigint
+    since_dressing bigint,
+    wheel_mm double precision,
+    alarms text
 );
 SELECT create_hypertable('part', 'time');
 CREATE INDEX part_of_machine ON part (machine, part);

@@ -265,6 +265,9 @@ pub enum OpcUaTask {
         /// The user may propose orders to the operator
         #[arg(long)]
         orders: bool,
+        /// The user may not any more; without either it stays as it was
+        #[arg(long, conflicts_with = "orders")]
+        no_orders: bool,
     },
     /// Let a user in no more
     RemoveUser {

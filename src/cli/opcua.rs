@@ -20,9 +20,11 @@ pub fn opcua(shared: &SharedArgs, call: &OpcUaArgs) -> Result<u8, CallError> {
     std::fs::create_dir_all(&folder).map_err(CallError::at(folder.display()))?;
     match &call.task {
         OpcUaTask::Serve(call) => serve(&folder, call),
-        OpcUaTask::AddUser { name, orders } => {
+        OpcUaTask::AddUser { name, orders, no_orders } => {
             let secret = password_line()?;
-            change_users(&folder, |users| users.set(name, &secret, *orders))
+            change_users(&folder, |users| {
+                users.set(name, &secret, if *no_orders { Some(false) } else { orders.then_some(true) })
+            })
         }
         OpcUaTask::RemoveUser { name } => change_users(&folder, |users| match users.remove(name) {
             true => Ok(()),

@@ -84,6 +84,9 @@ const FINISHED: &str = "成品";
 /// The word before the letter of an axis.
 const DRESSING_POINT: &str = "修整点";
 
+/// What the control or the operator finds out, and what belongs to wheel and dresser.
+const STATE_WORDS: [&str; 6] = [MEASURED, "累计", DRESSING_POINT, "金刚", "砂轮直径", "砂轮宽度"];
+
 /// What a label says of a whole number: a count, a mode, a number of an offset.
 const WHOLE_NUMBERS: [&str; 8] = ["次数", "方式", "件数", "计数", "刀补号", "间隔", "模式", "编号"];
 
@@ -187,6 +190,12 @@ impl PageTextRow {
         // 半精磨速度 is no 精磨速度.
         let found = WORDS.iter().find(|(word, _)| self.label.contains(word) && !self.label.contains(SEMI_FINISHING));
         found.map(|(_, meaning)| *meaning)
+    }
+
+    /// Whether the value is found out (measured, counted up, a dressing point) or belongs to the wheel: no order asks for it.
+    #[must_use]
+    pub fn is_state(&self) -> bool {
+        STATE_WORDS.iter().any(|word| self.label.contains(word))
     }
 
     /// The unit of the value, as its label tells it; none for a count, a switch or a mode, and where it does not tell.

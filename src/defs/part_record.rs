@@ -9,6 +9,9 @@ use super::part_verdict::PartVerdict;
 /// Most parts in the history; a new part replaces the oldest.
 pub const MAX_PART_RECORDS: usize = 1_000;
 
+/// Most alarms that are kept with a part.
+pub const MAX_PART_ALARMS: usize = 4;
+
 /// A finished part.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartRecord {
@@ -32,6 +35,12 @@ pub struct PartRecord {
     pub verdict: PartVerdict,
     /// Parts ground since the last dressing, this one included.
     pub since_dressing: u32,
+    /// Diameter of the wheel at its end, mm (P77); `None` on machines without a wheel.
+    #[serde(default)]
+    pub wheel_mm: Option<f64>,
+    /// Numbers of the alarms since the part before it, the newest first; 0 where there was none.
+    #[serde(default)]
+    pub alarms: [u16; MAX_PART_ALARMS],
 }
 
 impl HistoryEntry for PartRecord {

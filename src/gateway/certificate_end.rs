@@ -13,3 +13,23 @@ pub fn certificate_end<'a>(chain: impl IntoIterator<Item = &'a CertificateDer<'a
     };
     chain.into_iter().filter_map(end).min()
 }
+
+#[cfg(test)]
+mod tests {
+    use rcgen::{CertificateParams, KeyPair, date_time_ymd};
+
+    use super::*;
+
+    #[test]
+    fn the_certificate_that_ends_first_counts() {
+        let made = |year: i32| {
+            let key = KeyPair::generate().unwrap();
+            let mut params = CertificateParams::new(vec!["machine".to_owned()]).unwrap();
+            params.not_after = date_time_ymd(year, 2, 27);
+            params.self_signed(&key).unwrap().der().clone()
+        };
+        let chain = [made(2031), made(2029), made(2030)];
+        assert_eq!(certificate_end(&chain), DateTime::from_parts([2_029, 2, 27, 0, 0, 0]));
+        assert_eq!(certificate_end(&[CertificateDer::from(vec![1, 2, 3])]), None);
+    }
+}

@@ -3,9 +3,10 @@
 //! but orders that the operator has to accept.
 //! Off by factory: with port 0 nothing listens, and no broker is looked for.
 //! Files: `port_server` a port with bounded connections, `shdr` the lines of MTConnect, `shdr_server` the port of its
-//! agents, `mqtt` what a broker is told, `order_inbox` orders of the shop, `device_model` the model of the machine, `web` the view for a phone, `metrics` the
-//! same for Prometheus, `web_access` who
-//! may look at it from other computers, `picture_thread` who paints its picture, `wire` a stream with or without TLS, `certificate_end` until when a certificate is valid.
+//! agents, `mqtt` what a broker is told, `order_inbox` orders of the shop, `device_model` the model of the machine, `web`
+//! the view for a phone, `metrics` the same for Prometheus, `web_access` who may look at it from other computers,
+//! `picture_thread` who paints its picture, `wire` a stream with or without TLS, `certificate_end` until when a certificate
+//! is valid.
 
 mod certificate_end;
 pub mod device_model;
@@ -25,14 +26,15 @@ mod wire;
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use crossbeam_channel::Sender;
 
 use self::mqtt::MqttClient;
+use self::order_inbox::{OrderInbox, SharedInbox};
 pub use self::picture_thread::Painter;
 use self::picture_thread::PictureThread;
 use self::port_server::{PortCounts, PortServer};
@@ -192,7 +194,7 @@ pub struct Gateway {
     /// The data directory.
     folder: Option<PathBuf>,
     /// Where orders go.
-    proposals: Option<Sender<OrderProposal>>,
+    inbox: SharedInbox,
 }
 
 impl Gateway {
@@ -211,8 +213,9 @@ impl Gateway {
     /// With orders of the shop, which go to a control as proposals.
     #[must_use]
     pub fn with_orders(self, proposals: Sender<OrderProposal>) -> Self {
-        let mqtt = self.mqtt.map(|mqtt| mqtt.with_orders(proposals.clone()));
-        Self { mqtt, proposals: Some(proposals), ..self }
+        let inbox = Arc::new(Mutex::new(OrderInbox::new(proposals)));
+        let mqtt = self.mqtt.map(|mqtt| mqtt.with_orders(Arc::clone(&inbox)));
+        Self { mqtt, inbox, ..self }
     }
 
     /// Serves everybody. `now` runs on from any begin; `time` is the time of day.
@@ -220,8 +223,8 @@ impl Gateway {
         let port = |of| snapshot.params.get(of) as u16;
         let reaches_network = snapshot.params.get(param::NETWORK_REACH) > 0.0;
         let asked = (port(param::MTCONNECT_PORT), reaches_network);
-        let proposals = self.proposals.clone();
-        let open = |port, reach| ShdrServer::open(port, reach, proposals).map_err(|error| why_closed(&error));
+        let inbox = Arc::clone(&self.inbox);
+        let open = |port, reach| ShdrServer::open(port, reach, inbox).map_err(|error| why_closed(&error));
         self.mtconnect.serve(now, asked, open, |server| server.step(now, time, snapshot));
         let picture = self.pictures.as_ref().and_then(|pictures| pictures.newest(now));
         let view = WebView { snapshot, picture, time };

@@ -3,15 +3,17 @@
 //! Source: docs/manual, chapter "network".
 
 use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use crossbeam_channel::Sender;
+use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 use crate::defs::param;
 use crate::defs::production_order::{MAX_ORDER_VALUES, OrderState, OrderValue, OrderValues, ProductionOrder};
 use crate::defs::{program_number, variable_name};
-use crate::link::production::{OrderProposal, ProposalCheck};
+use crate::link::production::{OrderPage, OrderProposal, ProposalCheck};
 use crate::link::snapshot::{DirectoryRow, Snapshot};
 
 /// Least time between two orders: the list has the one before then.
@@ -30,12 +32,38 @@ struct OrderMessage {
     parts: u32,
     /// Values of the page by their variables: `"#501": 30.02`, `"R10": 0.01`.
     #[serde(default)]
-    values: BTreeMap<String, f64>,
+    values: ValueList,
+}
+
+/// Values as they are written: one that comes twice is seen.
+#[derive(Default)]
+struct ValueList(Vec<(String, f64)>);
+
+impl<'de> Deserialize<'de> for ValueList {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Pairs;
+        impl<'de> Visitor<'de> for Pairs {
+            type Value = ValueList;
+
+            fn expecting(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                out.write_str("values by their variables")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<ValueList, A::Error> {
+                let mut pairs = Vec::new();
+                while let Some(pair) = map.next_entry()? {
+                    pairs.push(pair);
+                }
+                Ok(ValueList(pairs))
+            }
+        }
+        from.deserialize_map(Pairs)
+    }
 }
 
 /// A program by its number, or by its name as the list of programs shows it.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "program is the number or the name of a program")]
 enum ProgramName {
     Number(u32),
     Name(String),
@@ -64,6 +92,9 @@ struct OrderLine {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     values: BTreeMap<String, f64>,
 }
+
+/// The inbox of a control, which all ways share: an order a second, so that the list has the one before.
+pub type SharedInbox = Arc<Mutex<OrderInbox>>;
 
 /// Where proposals go.
 #[derive(Default)]
@@ -103,7 +134,8 @@ impl OrderInbox {
         let is_there = |row: &DirectoryRow| row.number == proposal.program && row.is_for(snapshot.kind);
         let has_program = snapshot.directory.iter().any(is_there);
         let orders = snapshot.production.orders.as_slice();
-        let check = ProposalCheck { orders, has_program, kind: snapshot.kind, screens: &snapshot.screens };
+        let page = OrderPage { kind: snapshot.kind, screens: &snapshot.screens, params: &snapshot.params };
+        let check = ProposalCheck { orders, has_program, page };
         if let Some(why) = proposal.refusal(check) {
             return Err(why.en().into_owned());
         }
@@ -130,7 +162,7 @@ pub fn answer(order: Option<u32>, taken: Result<(), String>) -> String {
     serde_json::to_string(&answer).unwrap_or_default()
 }
 
-/// The list of orders as JSON.
+/// The list of orders as JSON; an empty one while orders of the shop are not taken.
 #[must_use]
 pub fn list(snapshot: &Snapshot) -> String {
     let named =
@@ -145,7 +177,8 @@ pub fn list(snapshot: &Snapshot) -> String {
         state: state_id(order.state),
         values: order.values.iter().map(named).collect(),
     };
-    let lines: Vec<OrderLine> = snapshot.production.orders.iter().map(line).collect();
+    let orders = snapshot.production.orders.iter().filter(|_| takes_orders(snapshot));
+    let lines: Vec<OrderLine> = orders.map(line).collect();
     serde_json::to_string(&lines).unwrap_or_default()
 }
 
@@ -155,12 +188,12 @@ fn proposal_of(message: OrderMessage) -> Result<OrderProposal, String> {
         ProgramName::Name(name) => program_number::from_name(&name),
     };
     let mut values = OrderValues::default();
-    for (name, number) in message.values {
+    for (name, number) in message.values.0 {
         let variable = variable_name::parse(&name);
-        let variable = variable.ok_or_else(|| format!("{name} is no variable: write \"#501\" or \"R10\""))?;
+        let variable = variable.ok_or_else(|| format!("{name:?} is not a variable: write \"#501\" or \"R10\""))?;
         values = values
             .with(OrderValue { variable, number })
-            .ok_or_else(|| format!("{name}: an order has at most {MAX_ORDER_VALUES} values, each once"))?;
+            .ok_or_else(|| format!("{name:?}: an order has at most {MAX_ORDER_VALUES} values, each once"))?;
     }
     Ok(OrderProposal { number: message.order, program, target: message.parts, values })
 }

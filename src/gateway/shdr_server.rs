@@ -4,15 +4,13 @@
 //! Source: MTConnect Agent (cppagent), "Adapter Agent Protocol".
 
 use std::cell::Cell;
+use std::sync::PoisonError;
 use std::time::Duration;
 
-use crossbeam_channel::Sender;
-
-use super::order_inbox::{self, LONGEST_ORDER, OrderInbox};
+use super::order_inbox::{self, LONGEST_ORDER, SharedInbox};
 use super::port_server::{Connection, ConnectionState, PortLimits, PortServer};
 use super::shdr::ShdrLines;
 use super::timestamp;
-use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
 /// Most agents, what each may leave unread, its longest line, and how long it may take to its first ping.
@@ -30,7 +28,7 @@ pub struct ShdrServer {
     /// The port.
     pub port: PortServer,
     lines: ShdrLines,
-    inbox: OrderInbox,
+    inbox: SharedInbox,
     /// When measured values are looked at again.
     sample_at: Duration,
 }
@@ -40,9 +38,8 @@ impl ShdrServer {
     ///
     /// # Errors
     /// The port is in use or not allowed.
-    pub fn open(port: u16, reaches_network: bool, orders: Option<Sender<OrderProposal>>) -> std::io::Result<Self> {
+    pub fn open(port: u16, reaches_network: bool, inbox: SharedInbox) -> std::io::Result<Self> {
         let port = PortServer::open(port, reaches_network, LIMITS)?;
-        let inbox = orders.map(OrderInbox::new).unwrap_or_default();
         Ok(Self { port, lines: ShdrLines::default(), inbox, sample_at: Duration::ZERO })
     }
 
@@ -62,29 +59,41 @@ impl ShdrServer {
             told.set(told.get() + everything.lines().count());
             everything.into_bytes()
         };
-        let inbox = &mut self.inbox;
+        let inbox = &self.inbox;
         self.port.step(now, welcome, |agent| answer(agent, now, inbox, snapshot));
         self.port.count_sent(told.get() as u64);
     }
 }
 
-/// Answers the pings of an agent, and who speaks of orders; one that has pinged is to go on.
-fn answer(agent: &mut Connection, now: Duration, inbox: &mut OrderInbox, snapshot: &Snapshot) {
+/// Answers the pings of an agent, and who speaks of orders; one that has pinged is to go on. One that begins with something
+/// else is none: a page in a browser of this computer could send lines, too.
+fn answer(agent: &mut Connection, now: Duration, inbox: &SharedInbox, snapshot: &Snapshot) {
+    let mut is_listed = false;
     while let Some(end) = agent.received.iter().position(|byte| *byte == b'\n') {
         let line: Vec<u8> = agent.received.drain(..=end).collect();
         let line = line.trim_ascii();
-        let is_near = agent.address.ip().is_loopback();
         if line == b"* PING" {
             agent.pending.extend_from_slice(format!("* PONG {HEARTBEAT_MS}\n").as_bytes());
             (agent.deadline, agent.state) = (now + LONGEST_SILENCE, ConnectionState::Proven);
-        } else if line == b"* ORDERS" && is_near {
-            agent.pending.extend_from_slice(format!("* orders: {}\n", order_inbox::list(snapshot)).as_bytes());
+        } else if agent.state != ConnectionState::Proven {
+            if !line.starts_with(b"* ") {
+                return agent.state = ConnectionState::Closing;
+            }
+        } else if line == b"* ORDERS" && is_of_this_computer(agent) {
+            // One list a step, however often it is asked for.
+            if !std::mem::replace(&mut is_listed, true) {
+                agent.pending.extend_from_slice(format!("* orders: {}\n", order_inbox::list(snapshot)).as_bytes());
+            }
         } else if let Some(order) = line.strip_prefix(b"* ORDER ") {
-            let answer = match is_near {
-                true => inbox.take(now, order, snapshot),
+            let answer = match is_of_this_computer(agent) {
+                true => inbox.lock().unwrap_or_else(PoisonError::into_inner).take(now, order, snapshot),
                 false => order_inbox::answer(None, Err("orders come from programs of the same computer".to_owned())),
             };
             agent.pending.extend_from_slice(format!("* order: {answer}\n").as_bytes());
         }
     }
+}
+
+fn is_of_this_computer(agent: &Connection) -> bool {
+    agent.address.ip().is_loopback()
 }

@@ -6,6 +6,11 @@ use egui::{Rect, pos2, vec2};
 use super::{Area, EditKey, KeyboardFocus, PageKey, View, theme};
 use crate::defs::text::{LocalizedText, Text};
 
+/// Height of a question, the lines of details that it has room for, and the height of one more.
+const HEIGHT: f32 = 230.0;
+const USUAL_LINES: usize = 4;
+const LINE_HEIGHT: f32 = 26.0;
+
 /// The open question of a page, with its subject; empty if none is open.
 #[derive(Debug)]
 pub struct QuestionDialog<A>(Option<(A, Question)>);
@@ -49,6 +54,8 @@ pub struct Question {
     body: LocalizedText,
     /// The keys: accessible name and label; the last one only closes.
     keys: Vec<(&'static str, Text)>,
+    /// Lines of the details that have their own height.
+    lines: usize,
     focus: KeyboardFocus,
 }
 
@@ -65,12 +72,23 @@ impl Question {
         let mut walk = KeyboardFocus::default();
         // CANCEL is preselected: Enter alone does nothing, an action key must be selected first.
         walk.select(keys.len() - 1, keys.len());
-        Self { title, body, keys, focus: walk }
+        Self { title, body, keys, lines: 0, focus: walk }
+    }
+
+    /// With room for so many lines of details.
+    #[must_use]
+    pub fn with_lines(self, lines: usize) -> Self {
+        Self { lines, ..self }
     }
 
     /// Draws the question; returns the index of the pressed key, the last one is CANCEL (取消).
     fn ui(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Option<usize> {
-        let place = view.dialog(rect, "question-veil", vec2(520.0, 230.0), view.theme.hold);
+        let place = view.dialog(
+            rect,
+            "question-veil",
+            vec2(520.0, HEIGHT + LINE_HEIGHT * self.lines.saturating_sub(USUAL_LINES) as f32),
+            view.theme.hold,
+        );
         let (title, rest) = place.shrink2(vec2(20.0, 14.0)).split_top(32.0);
         view.fit_left(title, self.title.get(view.lang), theme::SECONDARY, view.theme.text);
         let (body, keys) = rest.split_bottom(56.0);

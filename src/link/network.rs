@@ -19,7 +19,7 @@ pub enum ServiceState {
 /// An encrypted connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TlsView {
-    /// When the certificate ends that ends first, UTC; none if nobody can say.
+    /// When the certificate ends that ends first, UTC (a day more or less does not matter here); none if nobody can say.
     pub valid_until: Option<DateTime>,
 }
 
@@ -71,7 +71,7 @@ pub struct BrokerView {
     pub sent: u64,
     /// Changes that are not sent yet, and results that the broker has not acknowledged.
     pub waiting: u64,
-    /// Changes that were dropped for newer ones while the broker was away.
+    /// Changes that were dropped for newer ones while the broker was away, and results that the control had forgotten by then.
     pub lost: u64,
     /// Connections that the broker has taken since it was switched on.
     pub connections: u64,

@@ -3,7 +3,7 @@
 use super::screens::Screens;
 use crate::defs::hour_record::HourHistory;
 use crate::defs::kind::Kind;
-use crate::defs::page_meaning::PageMeaning;
+use crate::defs::param::{self, Params};
 use crate::defs::part_record::{PartHistory, PartRecord};
 use crate::defs::part_verdict::PartVerdict;
 use crate::defs::production_order::{
@@ -43,19 +43,31 @@ pub struct ProposalCheck<'a> {
     pub orders: &'a [ProductionOrder],
     /// Whether its program is there.
     pub has_program: bool,
+    /// Where its values stand.
+    pub page: OrderPage<'a>,
+}
+
+/// What tells which values an order may ask for.
+#[derive(Clone, Copy, Debug)]
+pub struct OrderPage<'a> {
     /// The kind of the machine.
     pub kind: Kind,
     /// The page texts.
     pub screens: &'a Screens,
+    /// The parameters.
+    pub params: &'a Params,
 }
+
+const NO_PAGE: Text = Text::new(
+    "程序没有页面，或页面文件有错，不能带数值",
+    "the program has no page, or its page text is faulty: no values",
+);
 
 impl OrderProposal {
     /// Why it cannot be proposed to the operator; none if it can.
     #[must_use]
     pub fn refusal(&self, check: ProposalCheck<'_>) -> Option<LocalizedText> {
-        self.refusal_of_figures(check)
-            .map(LocalizedText::from)
-            .or_else(|| self.values_refusal(check.kind, check.screens))
+        self.refusal_of_figures(check).map(LocalizedText::from).or_else(|| self.refusal_of_values(check.page))
     }
 
     fn refusal_of_figures(&self, check: ProposalCheck<'_>) -> Option<Text> {
@@ -82,23 +94,31 @@ impl OrderProposal {
 
     /// Why a value cannot be that of its page; none if all can.
     #[must_use]
-    pub fn values_refusal(&self, kind: Kind, screens: &Screens) -> Option<LocalizedText> {
+    pub fn refusal_of_values(&self, page: OrderPage<'_>) -> Option<LocalizedText> {
+        let OrderPage { kind, screens, params } = page;
         self.values.iter().find_map(|value| {
             let name = Arg::Variable(u32::from(value.variable), kind.dialect());
-            let Some(row) = screens.row(kind, self.program, value.variable) else {
+            let mut rows = screens.part_rows(kind, self.program).peekable();
+            if rows.peek().is_none() {
+                return Some(NO_PAGE.into());
+            }
+            let Some(row) = rows.find(|row| row.variable == value.variable) else {
                 return Some(phrase!("程序的页面没有 {name}", "the page of the program does not show {name}", name));
             };
-            if row.meaning() == Some(PageMeaning::MeasuredSize) {
-                return Some(phrase!("{name} 是量出来的", "{name} is measured, not ordered", name));
+            if row.is_state() || value.variable == params.get(param::TREND_SIZE_VARIABLE) as u16 {
+                return Some(phrase!(
+                    "{name} 是测量、累计或砂轮的值，订单不能给出",
+                    "{name} is measured, counted or of the wheel: no order sets it",
+                    name
+                ));
             }
             if variable_name::is_switch(u32::from(value.variable)) && !matches!(value.number, 0.0 | 1.0) {
                 return Some(phrase!("{name} 应为 0 或 1", "{name} must be 0 or 1", name));
             }
-            let fits = value.number.abs() <= TYPED_VALUE_LIMIT;
-            (!fits).then(|| {
+            (!fits_display(value.number)).then(|| {
                 phrase!(
-                    "{name} 应为 ±{TYPED_VALUE_LIMIT}",
-                    "{name} must be ±{TYPED_VALUE_LIMIT}",
+                    "{name} 应在 ±{TYPED_VALUE_LIMIT} 内，最多 3 位小数",
+                    "{name} must be within ±{TYPED_VALUE_LIMIT}, with three decimals at most",
                     name,
                     TYPED_VALUE_LIMIT
                 )
@@ -107,18 +127,17 @@ impl OrderProposal {
     }
 }
 
+/// Whether a value is shown as it is: three decimals, within the limits of typed values.
+fn fits_display(number: f64) -> bool {
+    number.abs() <= TYPED_VALUE_LIMIT && format!("{number:.3}").parse() == Ok(number)
+}
+
 /// A request of the page of orders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OrderCommand {
     /// Adds an order, or changes program and target of the one with this number.
-    Enter {
-        /// Its number.
-        number: u32,
-        /// The program of its parts.
-        program: u32,
-        /// Good parts wanted.
-        target: u32,
-    },
+    /// The values are those of the order as it was shown.
+    Enter(OrderProposal),
     /// The operator accepts a proposed order as it was shown: the shop may have changed it meanwhile.
     Accept(OrderProposal),
     /// Finished parts count for this order; its program becomes the current one.

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use crate::defs::kind::Kind;
+use crate::defs::page::Page;
 use crate::defs::page_text::{PageText, PageTextRow};
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template};
@@ -33,10 +34,20 @@ impl Screens {
     /// The row of a variable on the grinding pages of a program: those of the kind, else its own.
     #[must_use]
     pub fn row(&self, kind: Kind, program: u32, variable: u16) -> Option<&PageTextRow> {
-        let own = kind.row().page_files.iter().map(|number| PAGE_FILES + number);
-        let of_program = (kind.row().page_files.is_empty() && PROGRAMS_WITH_PAGE.contains(&program)).then_some(program);
-        let texts = own.chain(of_program).filter_map(|number| self.find(number)?.text.as_ref().ok());
-        texts.flat_map(|text| text.rows()).find(|row| row.variable == variable)
+        self.rows(kind.row().page_files, program).find(|row| row.variable == variable)
+    }
+
+    /// The rows that tell what part a program makes; none where there is no page or its text is faulty.
+    pub fn part_rows(&self, kind: Kind, program: u32) -> impl Iterator<Item = &PageTextRow> {
+        let rows = Page::Grinding.exists_on(kind).then(|| self.rows(kind.row().part_files, program));
+        rows.into_iter().flatten()
+    }
+
+    /// The rows of the pages of a kind, or of a program where the kind has none.
+    fn rows(&self, own: &'static [u32], program: u32) -> impl Iterator<Item = &PageTextRow> {
+        let of_program = (own.is_empty() && PROGRAMS_WITH_PAGE.contains(&program)).then_some(program);
+        let numbers = own.iter().map(|number| PAGE_FILES + number).chain(of_program);
+        numbers.filter_map(|number| self.find(number)?.text.as_ref().ok()).flat_map(|text| text.rows())
     }
 }
 

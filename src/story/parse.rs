@@ -225,8 +225,7 @@ impl LineParser {
         let word = self.word("a number, accept, start, close or delete")?;
         let count = |word: &str| word.parse::<u32>().ok();
         if let Some(number) = count(&word) {
-            let (program, target) = (self.o_number()?, self.one_of("a number of parts", count)?);
-            return Ok(OrderCommand::Enter { number, program, target });
+            return Ok(OrderCommand::Enter(self.proposal(number)?));
         }
         let number = self.one_of("the number of an order", count)?;
         match word.as_str() {

@@ -38,6 +38,8 @@ fn b6_the_next_start_finds_parts_hours_and_orders() {
         limits: Some([40.0, 39.99, 40.01]),
         verdict: PartVerdict::Out { partly: true },
         since_dressing: 2,
+        wheel_mm: Some(598.4),
+        alarms: [103, 0, 0, 0],
     };
     let hour = HourRecord { hour: 498_686, seconds: [1_800, 600, 60, 1_140], good: 37, bad: 1 };
     let (mut store, _) = open(folder.path());

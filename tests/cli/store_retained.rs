@@ -64,6 +64,8 @@ fn part(count: u64) -> PartRecord {
         limits: Some([40.0, 39.995, 40.005]),
         verdict: PartVerdict::Good,
         since_dressing: 3,
+        wheel_mm: Some(598.4),
+        alarms: [103, 0, 0, 0],
     }
 }
 

@@ -335,6 +335,8 @@ fn part_history() -> PartHistory {
             limits: Some([40.0, 39.985, 40.005]),
             verdict: if count == 17 { PartVerdict::Out { partly: false } } else { PartVerdict::Good },
             since_dressing: count as u32 % 10 + 1,
+            wheel_mm: None,
+            alarms: [0; 4],
         }
     };
     PartHistory::new((1..=40).map(part), 2)

@@ -11,6 +11,7 @@ use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param;
+use kt830::defs::production_order::OrderValues;
 use kt830::defs::scope_signal::ScopeSignal;
 use kt830::defs::text::Lang;
 use kt830::host::folders::program_from_bytes;
@@ -19,7 +20,7 @@ use kt830::io::sim::PartFile;
 use kt830::link::command::Command;
 use kt830::link::edit::OffsetCommand;
 use kt830::link::page_command::PageCommand;
-use kt830::link::production::OrderCommand;
+use kt830::link::production::{OrderCommand, OrderProposal};
 use kt830::link::scope::{ScopeCommand, ScopeSetup, ScopeTrigger};
 use kt830::link::snapshot::RunState;
 use kt830::link::teach::TeachCommand;
@@ -408,7 +409,12 @@ fn t5_the_tick_allocates_nothing_for_a_part_of_an_order() {
     let mut host = ready_with("G04 P500\nM31\nM30");
     let program = host.snapshot().program.number;
     host.send(Command::WallClock(DateTime(1_795_273_316)));
-    host.send(Command::Order(OrderCommand::Enter { number: 501, program, target: 2 }));
+    host.send(Command::Order(OrderCommand::Enter(OrderProposal {
+        number: 501,
+        program,
+        target: 2,
+        values: OrderValues::default(),
+    })));
     host.send(Command::Order(OrderCommand::Start { number: 501, takes_values: true }));
     host.send(Command::Press(Mode::Auto.key()));
     (0..20).for_each(|_| host.step());

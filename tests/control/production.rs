@@ -7,12 +7,12 @@ use kt830::defs::hour_record::{HourRecord, MachineUse};
 use kt830::defs::kind::Kind;
 use kt830::defs::part_record::{MAX_PART_RECORDS, PartHistory, PartRecord};
 use kt830::defs::part_verdict::PartVerdict;
-use kt830::defs::production_order::{MAX_ORDERS, MAX_PROPOSALS, OrderState, ProductionOrder};
+use kt830::defs::production_order::{MAX_ORDERS, MAX_PROPOSALS, OrderState, OrderValues, ProductionOrder};
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
 use kt830::link::part_result::{CorrectionAdvice, PartCommand};
-use kt830::link::production::OrderCommand;
+use kt830::link::production::{OrderCommand, OrderProposal};
 
 use crate::stories::{ready, ready_of, tell};
 
@@ -33,6 +33,10 @@ fn make(rig: &mut HeadlessHost) {
 
 fn order(rig: &mut HeadlessHost, number: u32) -> ProductionOrder {
     *rig.snapshot().production.orders.iter().find(|order| order.number == number).expect("the order")
+}
+
+fn enter(number: u32, program: u32, target: u32) -> OrderCommand {
+    OrderCommand::Enter(OrderProposal { number, program, target, values: OrderValues::default() })
 }
 
 fn start(number: u32) -> OrderCommand {
@@ -196,7 +200,7 @@ fn b6_what_makes_no_part_and_what_does_on_a_lathe() {
     make(&mut rig);
     assert!(made(&mut rig).is_empty());
     let program = rig.snapshot().program.number;
-    rig.send(Command::Order(OrderCommand::Enter { number: 501, program, target: 9 }));
+    rig.send(Command::Order(enter(501, program, 9)));
     tell(&mut rig, "order start 501");
     make(&mut rig);
     assert_eq!((made(&mut rig).len(), order(&mut rig, 501).good), (1, 1));
@@ -247,7 +251,6 @@ fn b6_an_order_that_makes_no_sense_is_refused_and_changes_nothing() {
         let message = rig.snapshot().message.text.en().into_owned();
         assert!(message.contains(says), "{command:?}: {message}");
     };
-    let enter = |number, program, target| OrderCommand::Enter { number, program, target };
     refuse(&mut rig, enter(0, 1_002, 5), "a number from 1 to 99999999");
     refuse(&mut rig, enter(100_000_000, 1_002, 5), "a number from 1 to");
     refuse(&mut rig, enter(7, 1_002, 0), "1 to 999999");
@@ -323,6 +326,8 @@ fn b6_the_history_of_parts_keeps_the_newest_thousand_in_their_slots() {
         limits: None,
         verdict: PartVerdict::NotMeasured,
         since_dressing: 1,
+        wheel_mm: None,
+        alarms: [0; 4],
     };
     let mut history = PartHistory::new([], 1);
     (1..=1_500).for_each(|count| history.push(part(count)));
@@ -381,6 +386,24 @@ fn b6_the_hours_of_a_month_are_kept() {
     assert_eq!(days(&mut rig), [1, 62]);
 }
 
+/// B6: a part tells the wheel that has ground it, and what was wrong since the part before it.
+#[test]
+fn b6_a_part_keeps_its_wheel_and_the_alarms_since_the_part_before() {
+    let mut rig = shop();
+    make(&mut rig);
+    assert_eq!((last(&mut rig).wheel_mm, last(&mut rig).alarms), (Some(600.0), [0; 4]));
+    tell(&mut rig, "input emergency-stop on\nwait 0.1 s\ninput emergency-stop off\nwait 0.1 s\nkey reset\nwait 0.1 s");
+    tell(&mut rig, "fault drive-x\nwait 0.1 s\nfault drive-x off\nkey reset\nwait 0.1 s\nmode home\nhome all");
+    tell(&mut rig, "power cut\npower on\nwait 0.2 s\nkey hydraulic\nwait 4 s\nhome all\nload O1002");
+    make(&mut rig);
+    assert_eq!(last(&mut rig).alarms, [0; 4], "those before a power-off are in the history alone");
+    tell(&mut rig, "fault drive-x\nwait 0.1 s\nfault drive-x off\nkey reset\nwait 0.1 s\nhome all");
+    make(&mut rig);
+    assert_eq!(last(&mut rig).alarms, [104, 0, 0, 0]);
+    make(&mut rig);
+    assert_eq!(last(&mut rig).alarms, [0; 4]);
+}
+
 /// B6: an order of the shop stands in the list until the operator has decided; nothing of it is in force before that.
 #[test]
 fn b6_an_order_of_the_shop_waits_for_the_operator() {
@@ -434,14 +457,15 @@ fn b6_values_of_an_order_are_in_force_when_the_operator_starts_it() {
     tell(&mut rig, "load O1002\nmode auto\nkey cycle-start\nwait 0.2 s\norder start 701");
     assert!(rig.snapshot().message.text.zh().contains("程序运行中"), "{:?}", rig.snapshot().message);
     assert_eq!(size(&mut rig), Some(40.3));
-    tell(&mut rig, "wait until idle max 20 s\norder start 701\nexpect message \"开始\"");
+    tell(&mut rig, "wait until idle max 20 s\norder start 701\nexpect message \"采用 2 个数值\"");
     assert_eq!((size(&mut rig), rig.snapshot().variables[532]), (Some(38.02), Some(0.005)));
     tell(&mut rig, "power cut\npower on\nwait 0.2 s");
     assert_eq!((size(&mut rig), order(&mut rig, 701).values.iter().count()), (Some(38.02), 2), "over a power-off");
     // Values are those of a page: another program has another one.
     tell(
         &mut rig,
-        "propose-order 702 O1002 5 #521=38\norder 702 O1002 4\npropose-order 703 O1002 5 #521=38\norder 703 O1004 4",
+        "propose-order 702 O1002 5 #521=38\norder 702 O1002 4\nexpect message \"再看一次\"\n\
+         order 702 O1002 4 #521=38\npropose-order 703 O1002 5 #521=38\norder 703 O1004 4 #521=38",
     );
     assert_eq!([702, 703].map(|number| order(&mut rig, number).values.iter().count()), [1, 0]);
 }
@@ -450,16 +474,59 @@ fn b6_values_of_an_order_are_in_force_when_the_operator_starts_it() {
 #[test]
 fn b6_values_that_its_page_has_not_are_no_order() {
     let mut rig = shop();
-    for values in ["#899=1", "#521=1e9", "#5021=1", "#100=1"] {
+    // Not on the page, out of range, more decimals than are shown, no number.
+    for values in ["#899=1", "#521=1e9", "#5021=1", "#100=1", "#521=38.0004", "#521=nan"] {
         tell(&mut rig, &format!("propose-order 701 O1002 5 {values}"));
         assert!(rig.snapshot().production.orders.is_empty(), "{values}");
     }
     // The page is gone when it is started: nothing is started then.
     tell(&mut rig, "propose-order 701 O1002 5 #521=38\norder accept 701 O1002 5 #521=38");
     rig.send(Command::ScreensLoaded(std::sync::Arc::default()));
-    tell(&mut rig, "wait 0.1 s\norder start 701\nexpect message \"#521\"");
+    tell(&mut rig, "wait 0.1 s\norder start 701\nexpect message \"没有页面\"");
     assert_eq!(order(&mut rig, 701).state, OrderState::Waiting);
     assert_eq!(rig.snapshot().variables[521], Some(40.3));
+}
+
+/// B6: a restart that is prepared has the values of before: it does not bring them back.
+#[test]
+fn b6_values_of_an_order_outlive_a_prepared_restart() {
+    let mut rig = shop();
+    let text = b"G04 P100\nG04 P100\nM31\nM30".to_vec();
+    rig.add_program(program_from_bytes(1_002, "O1002.NC", text, rig.kind().dialect()));
+    tell(&mut rig, "load O1002\npropose-order 701 O1002 5 #521=38\norder accept 701 O1002 5 #521=38\nmode auto");
+    rig.send(Command::RestartAt(2));
+    tell(&mut rig, "wait 0.2 s\norder start 701\nkey cycle-start\nwait 2 s\nkey cycle-start\nwait until idle max 20 s");
+    assert_eq!(rig.snapshot().variables[521], Some(38.0));
+}
+
+/// B6: what is measured, counted or of the wheel is no order's, on any page; nor is a value of a machine without pages.
+#[test]
+fn b6_no_order_sets_what_is_measured_counted_or_of_the_wheel() {
+    let propose = |rig: &mut HeadlessHost, program: &str, values: &str| {
+        tell(rig, &format!("propose-order 701 {program} 5 {values}\nwait 0.1 s"));
+        let is_there = !rig.snapshot().production.orders.is_empty();
+        tell(rig, "order delete 701");
+        is_there
+    };
+    let mut rig = ready();
+    for number in [1_004, 1_017, 1_019] {
+        let name = format!("O{number}.NC");
+        rig.add_program(program_from_bytes(number, &name, b"M30".to_vec(), rig.kind().dialect()));
+    }
+    // 实测孔径, 修整点 X 机床, 上一件实测直径, 累计修正尺寸.
+    for (program, variable) in [("O1017", 895), ("O1017", 896), ("O1019", 930), ("O1019", 939)] {
+        assert!(!propose(&mut rig, program, &format!("#{variable}=1")), "#{variable}");
+    }
+    // 成品直径 of O1019 is.
+    assert!(propose(&mut rig, "O1019", "#920=30"), "{:?}", rig.snapshot().message);
+    let mut vertical = ready_of(Kind::Vertical);
+    vertical.add_program(program_from_bytes(1, "O0001.NC", b"M30".to_vec(), vertical.kind().dialect()));
+    // R18 finished size; R3 wheel diameter, R62 error flag, R65 measured size.
+    let orders = [18, 3, 62, 65].map(|r| propose(&mut vertical, "O1", &format!("R{r}=1")));
+    assert_eq!(orders, [true, false, false, false]);
+    let mut lathe = ready_of(Kind::Lathe);
+    lathe.add_program(program_from_bytes(1_002, "O1002.NC", b"M30".to_vec(), lathe.kind().dialect()));
+    assert!(!propose(&mut lathe, "O1002", "#521=38"));
 }
 
 /// B6: what cannot be an order is left aside, and the operator's own orders find a place.

@@ -92,7 +92,7 @@ fn b6_values_of_an_order_are_shown_and_taken_when_it_is_started() {
     bench.touch("开始 job-start");
     assert!(bench.shows("采用订单的数值"), "{:?}", bench.painted());
     // What the page has already is not asked for.
-    assert!(bench.shows("#521: 40.300 → 38.020") && !bench.shows("#532: "), "{:?}", bench.painted());
+    assert!(bench.shows("#521 成品直径: 40.300 → 38.020") && !bench.shows("上偏差: "), "{:?}", bench.painted());
     bench.touch("取消 question-no");
     assert_eq!(bench.rig.snapshot().production.orders[0].state, OrderState::Waiting);
     bench.touch("开始 job-start");

@@ -87,7 +87,8 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
         said(BrokerView { state: BrokerState::Failed(why), ..broker.clone() }).contains("the broker does not answer")
     );
     assert!(said(BrokerView { tls: None, ..broker.clone() }).contains("not encrypted"));
-    assert!(said(BrokerView { refuses_topic: true, ..broker }).contains("a topic (orders) is refused"));
+    let refused = said(BrokerView { refuses_topic: true, tls: None, ..broker });
+    assert!(refused.contains("a topic (orders) is refused") && refused.contains("not encrypted"), "{refused}");
 }
 
 #[test]

@@ -74,6 +74,8 @@ fn end_cycle(screen: &mut Screen) {
         limits: part.nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high])),
         verdict: part.verdict(simulated),
         since_dressing: 1,
+        wheel_mm: None,
+        alarms: [0; 4],
     };
     machine.production.parts.push(record);
     screen.step();

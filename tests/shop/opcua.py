@@ -236,6 +236,11 @@ async def look(machine, number):
     check(len(await items.get_children()) > 35, "data items")
 
 
+async def read_job(plan, number):
+    job = await plan.get_child([f"{number['own']}:701", f"{number['own']}:OrderState"])
+    return await job.read_value()
+
+
 async def orders(client, machine, number):
     """Orders are proposed by the method, and stand in the production plan."""
     plan = await machine.get_child([f"{number['tool']}:Production", f"{number['tool']}:ProductionPlan"])
@@ -258,7 +263,7 @@ async def orders(client, machine, number):
     check(answer[0] is True, f"an order is proposed: {answer}")
     for name, parts, values, why in (
         ("O1999", 50, {}, "no such program"), ("O1002", 0, {}, "1 to 999999"), ("O1002", 5, {"#899": 1.0}, "does not show"),
-        ("O1002", 5, {"X": 1.0}, "no variable"),
+        ("O1002", 5, {"X": 1.0}, "not a variable"),
     ):
         answer = await propose(702, name, parts, values)
         check(answer[0] is False and why in answer[1], f"refused: {answer}")
@@ -311,9 +316,9 @@ async def many_subscriptions(server):
                     rounds += 1
                 await asyncio.sleep(8)
                 await client.nodes.server_state.read_value()
-            before = before or memory()
         except (ua.UaError, ConnectionError, TimeoutError, asyncio.TimeoutError):
             await asyncio.sleep(3)
+        before = before or memory()
     check(rounds >= 300, f"{rounds} subscriptions")
     check(memory() - before < 40, f"memory {before} MB, after them {memory()} MB")
     check(await refused(await client_of()) == "", "a client is let in after them")
@@ -395,6 +400,16 @@ async def main():
             control = start_control("alarms", ["--programs", str(work / "programs")])
             count = len(listener.delays)
             check(await wait_until(lambda: len(listener.delays) > count + 20), "a control that comes back")
+            plan = await machine.get_child([f"{number['tool']}:Production", f"{number['tool']}:ProductionPlan"])
+            for _ in range(100):
+                state = await denied(read_job(plan, number))
+                if state == "":
+                    break
+                await asyncio.sleep(0.1)
+            check(state == "", f"its order is a job again {state}")
+            async with await client_of() as again:
+                value = await read_job(again.get_node(plan.nodeid), number)
+                check(value == "proposed", f"and of another client {value}")
             told = lambda active: {
                 event.ConditionName.split()[0] for event in listener.events
                 if getattr(event, "ErrorCode", None) and getattr(event, "ActiveState/Id") is active

@@ -6,16 +6,17 @@ use super::{Edited, Panel, Parts};
 use crate::controller::plant::Plant;
 use crate::controller::power_on::PowerOnState;
 use crate::controller::storage_request::StorageRequest;
+use crate::defs::equipment::Equipment;
 use crate::defs::hour_record::HourRecord;
 use crate::defs::param;
-use crate::defs::part_record::{PartHistory, PartRecord};
+use crate::defs::part_record::{MAX_PART_ALARMS, PartHistory, PartRecord};
 use crate::defs::part_verdict::PartVerdict;
 use crate::defs::production_order::{
     MAX_ORDERS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, OrderValues, ProductionOrder,
 };
-use crate::defs::text::{Text, phrase};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::part_result::PartResult;
-use crate::link::production::{OrderCommand, OrderProposal, PartInspection, ProductionView, ProposalCheck};
+use crate::link::production::{OrderCommand, OrderPage, OrderProposal, PartInspection, ProductionView, ProposalCheck};
 use crate::link::snapshot::Tone;
 use crate::units::Micros;
 
@@ -50,6 +51,8 @@ pub struct Production {
     counted_at: Option<Micros>,
     /// The run that has counted the last part goes on: its end says more of that part.
     is_open: bool,
+    /// Serial number of the newest alarm at the last part, or at power-on.
+    seen_alarm: u64,
     /// By their numbers.
     orders: Vec<ProductionOrder>,
     /// When the active order is looked at, and number and target of the one that was announced.
@@ -67,7 +70,9 @@ impl Production {
         let mut orders = Vec::with_capacity(MAX_ORDERS);
         orders.extend_from_slice(&retained.orders);
         let hours = HourLog::at_power_on(&retained.hours, now);
-        Self { parts: PartHistory::new(kept, now.0 + 1), last_count, orders, hours, ..Self::default() }
+        let seen_alarm = retained.alarm_history.iter().map(|alarm| alarm.count).max().unwrap_or(0);
+        let parts = PartHistory::new(kept, now.0 + 1);
+        Self { parts, last_count, seen_alarm, orders, hours, ..Self::default() }
     }
 
     /// Writes the view.
@@ -110,6 +115,17 @@ impl Production {
         self.is_open &= runs;
     }
 
+    /// The alarms that were raised since the part before, the newest first.
+    fn alarms_since_last_part(&mut self, plant: &Plant) -> [u16; MAX_PART_ALARMS] {
+        let history = plant.alarms.history();
+        let newest = history.last().map_or(0, |alarm| alarm.count);
+        let seen = std::mem::replace(&mut self.seen_alarm, newest);
+        let raised = history.iter().rev().take_while(|alarm| alarm.count > seen);
+        let mut numbers = [0; MAX_PART_ALARMS];
+        numbers.iter_mut().zip(raised).for_each(|(place, alarm)| *place = alarm.number);
+        numbers
+    }
+
     /// A part is made: it is recorded, and counts for the active order if that has its program.
     pub fn add_part(&mut self, plant: &mut Plant, part: &PartResult) {
         if self.is_open {
@@ -130,6 +146,8 @@ impl Production {
             limits: limits_of(part),
             verdict: part.verdict(None),
             since_dressing: plant.params.get(param::PARTS_SINCE_DRESSING) as u32,
+            wheel_mm: (!plant.kind.row().has(Equipment::MainSpindle)).then(|| plant.params.get(param::WHEEL_DIAMETER)),
+            alarms: self.alarms_since_last_part(plant),
         };
         self.parts.push(record);
         plant.store(StorageRequest::Part(record));
@@ -232,7 +250,7 @@ impl Panel {
     /// What the operator does with the list of orders.
     pub(super) fn handle_order_command(&mut self, parts: &mut Parts<'_>, command: OrderCommand) -> Edited {
         match command {
-            OrderCommand::Enter { number, program, target } => self.enter_order(parts, [number, program, target]),
+            OrderCommand::Enter(entered) => self.enter_order(parts, entered),
             OrderCommand::Accept(shown) => {
                 let number = shown.number;
                 let order = self.production.find(number).ok_or(NO_ORDER)?;
@@ -274,7 +292,8 @@ impl Panel {
     }
 
     /// A new order, or another program or target of a known one.
-    fn enter_order(&mut self, parts: &mut Parts<'_>, [number, program, target]: [u32; 3]) -> Edited {
+    fn enter_order(&mut self, parts: &mut Parts<'_>, entered: OrderProposal) -> Edited {
+        let OrderProposal { number, program, target, .. } = entered;
         let (least, most) = (*ORDER_NUMBERS.start(), *ORDER_NUMBERS.end());
         if !ORDER_NUMBERS.contains(&number) {
             return Err(phrase!(
@@ -294,6 +313,9 @@ impl Panel {
         let before = self.production.find(number);
         if before.is_none() && self.production.orders.len() >= MAX_ORDERS {
             return Err(IS_FULL.into());
+        }
+        if before.is_some_and(|order| order.state == OrderState::Proposed && order.values != entered.values) {
+            return Err(IS_CHANGED.into());
         }
         if let Some(order) = before.filter(|order| order.program != program) {
             if order.made() > 0 {
@@ -327,8 +349,8 @@ impl Panel {
     pub(super) fn propose_order(&mut self, parts: &mut Parts<'_>, proposal: OrderProposal) {
         let OrderProposal { number, program, target, values } = proposal;
         let has_program = parts.plant.work.programs.get(program).is_some();
-        let (orders, kind) = (self.production.orders.as_slice(), parts.plant.kind);
-        if proposal.refusal(ProposalCheck { orders, has_program, kind, screens: &self.screens }).is_some() {
+        let orders = self.production.orders.as_slice();
+        if proposal.refusal(ProposalCheck { orders, has_program, page: self.order_page(parts) }).is_some() {
             return;
         }
         if self.production.find(number).is_some_and(|known| OrderProposal::from(&known) == proposal) {
@@ -351,10 +373,8 @@ impl Panel {
         }
     }
 
-    /// The parts count for this order from now on; its program becomes the current one, and its values those of the page if
-    /// the operator takes them.
-    fn start_order(&mut self, parts: &mut Parts<'_>, number: u32, takes_values: bool) -> Edited {
-        let order = self.production.find(number).ok_or(NO_ORDER)?;
+    /// Whether an order can be started now.
+    fn check_start(&self, parts: &Parts<'_>, order: &ProductionOrder, takes_values: bool) -> Result<(), LocalizedText> {
         if order.state == OrderState::Proposed {
             return Err(IS_PROPOSED.into());
         }
@@ -364,15 +384,25 @@ impl Panel {
         if parts.plant.work.programs.get(order.program).is_none() {
             return Err(NO_PROGRAM.into());
         }
-        let takes_values = takes_values && !order.values.is_empty();
-        if takes_values {
-            if parts.program.is_open() {
-                return Err(VALUES_IN_RUN.into());
-            }
-            if let Some(why) = OrderProposal::from(&order).values_refusal(parts.plant.kind, &self.screens) {
-                return Err(why);
-            }
+        if !takes_values {
+            return Ok(());
         }
+        if parts.program.is_open() {
+            return Err(VALUES_IN_RUN.into());
+        }
+        OrderProposal::from(order).refusal_of_values(self.order_page(parts)).map_or(Ok(()), Err)
+    }
+
+    fn order_page<'a>(&'a self, parts: &'a Parts<'_>) -> OrderPage<'a> {
+        OrderPage { kind: parts.plant.kind, screens: &self.screens, params: &parts.plant.params }
+    }
+
+    /// The parts count for this order from now on; its program becomes the current one, and its values those of the page if
+    /// the operator takes them.
+    fn start_order(&mut self, parts: &mut Parts<'_>, number: u32, takes_values: bool) -> Edited {
+        let order = self.production.find(number).ok_or(NO_ORDER)?;
+        let takes_values = takes_values && !order.values.is_empty();
+        self.check_start(parts, &order, takes_values)?;
         let mut warning = None;
         if order.program != parts.plant.execution.current_program {
             if parts.program.is_open() {
@@ -382,20 +412,33 @@ impl Panel {
             let message = &parts.plant.outbox.message;
             warning = (message.tone == Tone::Warning).then(|| message.text.clone());
         }
-        if let Some(other) = self.production.active().filter(|other| other.number != number) {
-            self.production.set(parts.plant, ProductionOrder { state: OrderState::Waiting, ..other });
-        }
-        self.production.set(parts.plant, ProductionOrder { state: OrderState::Active, ..order });
         if takes_values {
+            // A restart in preparation has the values of before.
+            parts.program.abandon_restart();
             for value in order.values.iter() {
                 if !parts.program.set_variable(parts.plant, value.variable, Some(value.number)) {
                     return Err(parts.plant.outbox.message.text.clone());
                 }
             }
         }
+        if let Some(other) = self.production.active().filter(|other| other.number != number) {
+            self.production.set(parts.plant, ProductionOrder { state: OrderState::Waiting, ..other });
+        }
+        self.production.set(parts.plant, ProductionOrder { state: OrderState::Active, ..order });
         let (title, left) = (parts.plant.program_title(order.program), order.left());
         // What load_program warns of (a program of another kind of machine) is more than the start.
+        let taken = if takes_values { order.values.iter().count() } else { 0 };
         Ok(warning.unwrap_or_else(|| {
+            if taken > 0 {
+                return phrase!(
+                    "订单 {number} 开始：{title}，还有 {left} 件，采用 {taken} 个数值",
+                    "order {number} started: {title}, {left} parts to make, {taken} values taken",
+                    number,
+                    title,
+                    left,
+                    taken
+                );
+            }
             phrase!(
                 "订单 {number} 开始：{title}，还有 {left} 件",
                 "order {number} started: {title}, {left} parts to make",

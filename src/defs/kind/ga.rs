@@ -21,6 +21,7 @@ pub(super) static ROW: KindRow = KindRow {
     wheel_axis: Axis::Z,
     equipment: &[Wheel, RotaryTable, MagneticChuck, Hydraulics, Gauges],
     page_files: &[],
+    part_files: &[],
     factory: KindFactory {
         numbers: &[
             (table::SOFT_MINUS_X, -400.0),

@@ -28,6 +28,7 @@ pub(super) static ROW: KindRow = KindRow {
     wheel_axis: Axis::X,
     equipment: &[Wheel, Headstock, Tailstock, Hydraulics, Gauges],
     page_files: &[],
+    part_files: &[],
     factory: KindFactory::TABLE,
     machine_file: include_str!("../../../assets/machines/gc.ron"),
     dressing_program: Some(1_011),

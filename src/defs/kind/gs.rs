@@ -26,6 +26,7 @@ pub(super) static ROW: KindRow = KindRow {
     wheel_axis: Axis::Y,
     equipment: &[Wheel, DresserRoll, MagneticChuck, Hydraulics, Gauges],
     page_files: &[],
+    part_files: &[],
     factory: KindFactory {
         numbers: &[
             (table::SOFT_MINUS_X, -600.0),

@@ -36,6 +36,7 @@ pub(super) static ROW: KindRow = KindRow {
     wheel_axis: Axis::X,
     equipment: &[MainSpindle, ToolTurret],
     page_files: &[],
+    part_files: &[],
     factory: KindFactory {
         numbers: &[
             (table::RAPID_X, 2_000.0),

@@ -79,6 +79,8 @@ pub struct KindRow {
     pub equipment: &'static [Equipment],
     /// File numbers of its grinding pages (C0801 …); empty where each program has its own page (K7.2).
     pub page_files: &'static [u32],
+    /// Those of them that tell what part is made: sizes and feeds, not wheel and run values.
+    pub part_files: &'static [u32],
     /// Factory values.
     pub factory: KindFactory,
     /// The file of the simulated machine.

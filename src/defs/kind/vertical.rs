@@ -36,6 +36,7 @@ pub(super) static ROW: KindRow = KindRow {
     wheel_axis: Axis::X,
     equipment: &[Wheel, RotaryTable, Hydraulics, Gauges],
     page_files: &[801, 802, 803],
+    part_files: &[802],
     factory: KindFactory {
         numbers: &[
             (table::SOFT_MINUS_X, -450.0),

@@ -14,7 +14,7 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
+use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use self::broker_link::{BrokerEvent, BrokerLink, BrokerLogin};
 use self::broker_settings::{BrokerSettings, TlsEnds};
@@ -25,8 +25,8 @@ use crate::defs::date::DateTime;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::gateway::in_words;
+use crate::gateway::order_inbox::SharedInbox;
 use crate::link::network::{BrokerState, BrokerView, TlsView};
-use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
 /// Longest time to connect to an address of the broker.
@@ -120,10 +120,10 @@ impl MqttClient {
         }
     }
 
-    /// With proposals of orders to a control.
+    /// With orders to a control.
     #[must_use]
-    pub fn with_orders(self, proposals: Sender<OrderProposal>) -> Self {
-        Self { orders: OrderTopics::new(proposals), ..self }
+    pub fn with_orders(self, inbox: SharedInbox) -> Self {
+        Self { orders: OrderTopics::new(inbox), ..self }
     }
 
     /// Connects, tells, keeps. `now` runs on from any begin; `time` is the time of day.
@@ -190,8 +190,14 @@ impl MqttClient {
         self.view = BrokerView::default();
     }
 
+    /// What is known without the broker: when the certificate of the control ends.
+    fn own_tls(&self) -> Option<TlsView> {
+        self.machine_until.map(|end| TlsView { valid_until: Some(end) })
+    }
+
     fn end_connection(&mut self) {
         self.phase = Phase::Waiting;
+        self.view.tls = self.own_tls();
         self.birth_wanted = false;
         self.outbox.connection_lost();
         self.orders.connection_lost();
@@ -208,7 +214,7 @@ impl MqttClient {
         };
         let (stored, lost) = self.node.as_ref().map_or((0, 0), |node| (node.stored_count() as u64, node.lost_count()));
         self.view.waiting = stored + self.outbox.waiting(&snapshot.production.parts);
-        self.view.lost = lost;
+        self.view.lost = lost + self.outbox.told.skipped();
     }
 
     /// Begins to connect, on a thread: names and files may take their time.
@@ -235,6 +241,7 @@ impl MqttClient {
         self.view.address = address;
         let opened = ends.and_then(|Dialed { settings, stream, tls }| {
             self.machine_until = tls.as_ref().and_then(|ends| ends.machine_until);
+            self.view.tls = self.own_tls();
             let known = self.node.take().filter(|node| node.stands_for(&settings.group, snapshot));
             let node = self.node.insert(known.unwrap_or_else(|| EdgeNode::new(&settings.group, snapshot)));
             node.begin_session(self.outbox.told.take_session());

@@ -1,17 +1,15 @@
 //! Orders of the shop by MQTT: a topic that is asked for with P485 alone, and the list that the broker keeps.
 
+use std::sync::PoisonError;
 use std::time::Duration;
 
-use crossbeam_channel::Sender;
-
-use crate::gateway::order_inbox::{self, OrderInbox};
-use crate::link::production::OrderProposal;
+use crate::gateway::order_inbox::{self, SharedInbox};
 use crate::link::snapshot::Snapshot;
 
 /// Orders that come, and the list that the broker has.
 #[derive(Default)]
 pub struct OrderTopics {
-    inbox: OrderInbox,
+    inbox: SharedInbox,
     /// Empty if the broker has none; `None` if nobody knows what it has.
     told: Option<String>,
     /// Whether the broker sends orders in this connection.
@@ -21,8 +19,8 @@ pub struct OrderTopics {
 impl OrderTopics {
     /// Orders to a control.
     #[must_use]
-    pub const fn new(proposals: Sender<OrderProposal>) -> Self {
-        Self { inbox: OrderInbox::new(proposals), told: None, is_subscribed: false }
+    pub fn new(inbox: SharedInbox) -> Self {
+        Self { inbox, told: None, is_subscribed: false }
     }
 
     /// Whether orders are to be asked for now, once in a connection.
@@ -37,7 +35,7 @@ impl OrderTopics {
         if is_retained {
             return order_inbox::answer(None, Err("an order must not be retained".to_owned()));
         }
-        self.inbox.take(now, payload, snapshot)
+        self.inbox.lock().unwrap_or_else(PoisonError::into_inner).take(now, payload, snapshot)
     }
 
     /// The list of orders as JSON, if the broker has another one. Without P485 it is to keep none: an empty text.

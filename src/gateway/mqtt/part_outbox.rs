@@ -45,6 +45,10 @@ struct PartResultMessage {
     is_bad: bool,
     /// Parts since the last dressing.
     since_dressing: u32,
+    /// Diameter of the wheel, mm.
+    wheel_mm: Option<f64>,
+    /// Numbers of the alarms since the part before, the newest first, with spaces between them.
+    alarms: String,
 }
 
 /// A result on its way.
@@ -144,6 +148,7 @@ impl PartOutbox {
 
 fn message_of(machine: &str, record: &PartRecord) -> String {
     let limits = record.limits;
+    let numbers = record.alarms.iter().filter(|number| **number > 0).map(u16::to_string);
     let message = PartResultMessage {
         machine: machine.to_owned(),
         part: record.count,
@@ -159,6 +164,8 @@ fn message_of(machine: &str, record: &PartRecord) -> String {
         verdict: record.verdict.id(),
         is_bad: record.verdict.is_bad(),
         since_dressing: record.since_dressing,
+        wheel_mm: record.wheel_mm,
+        alarms: numbers.collect::<Vec<_>>().join(" "),
     };
     // Numbers that are not finite become null: nothing in it can fail.
     serde_json::to_string(&message).unwrap_or_default()

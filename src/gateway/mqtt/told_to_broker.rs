@@ -40,6 +40,12 @@ impl SentPart {
 struct Told {
     next_session: u8,
     parts: VecDeque<SentPart>,
+    /// Serial number of the newest part that the broker has.
+    #[serde(default)]
+    last: u64,
+    /// Parts between two that it has: the control had forgotten them by then.
+    #[serde(default)]
+    skipped: u64,
 }
 
 /// The file and what it is to say.
@@ -72,12 +78,24 @@ impl ToldToBroker {
         self.told.parts.iter()
     }
 
+    /// Results that it never gets: more parts than the control remembers were made while it was away.
+    #[must_use]
+    pub const fn skipped(&self) -> u64 {
+        self.told.skipped
+    }
+
     /// The broker has this result.
     pub fn acknowledge(&mut self, sent: SentPart) {
         self.is_changed = true;
         match self.told.parts.iter_mut().find(|told| told.part == sent.part) {
             Some(told) => *told = sent,
-            None => self.told.parts.push_back(sent),
+            None => {
+                if self.told.last > 0 {
+                    self.told.skipped += sent.part.saturating_sub(self.told.last + 1);
+                }
+                self.told.last = sent.part;
+                self.told.parts.push_back(sent);
+            }
         }
         if self.told.parts.len() > REMEMBERED {
             self.told.parts.pop_front();

@@ -64,16 +64,17 @@ impl Users {
         ron_file::write(&folder.join(FILE), ChecksumPolicy::Lenient, self)
     }
 
-    /// Adds a user or changes the password of one; says whether orders may be proposed.
+    /// Adds a user or changes the password of one; `orders` says whether the user may propose orders, `None` as before.
     ///
     /// # Errors
     /// The name or the password is empty or too long, or no salt is to be had.
-    pub fn set(&mut self, name: &str, secret: &str, orders: bool) -> Result<(), String> {
+    pub fn set(&mut self, name: &str, secret: &str, orders: Option<bool>) -> Result<(), String> {
         if name.is_empty() || secret.is_empty() || name.len() > LONGEST || secret.len() > LONGEST {
             return Err(format!("a name and a password have 1 to {LONGEST} bytes"));
         }
         let hash = password::hash(secret).map_err(|error| error.to_string())?;
-        self.0.insert(name.to_owned(), UserAccount { hash, orders });
+        let before = self.0.get(name).is_some_and(|account| account.orders);
+        self.0.insert(name.to_owned(), UserAccount { hash, orders: orders.unwrap_or(before) });
         Ok(())
     }
 
@@ -182,7 +183,7 @@ impl AuthManager for Accounts {
     /// The one method is that for orders.
     fn is_user_executable(&self, token: &UserToken, method: &NodeId) -> bool {
         let is_order =
-            matches!(&method.identifier, Identifier::String(id) if id.as_ref().ends_with(production_plan::METHOD));
+            matches!(&method.identifier, Identifier::String(id) if id.as_ref().ends_with(production_plan::METHOD_PATH));
         is_order && self.account(token).is_some_and(|account| account.orders)
     }
 }

@@ -2,8 +2,9 @@
 //! port (P480), and hands on the orders that clients propose: nothing else that a client of OPC UA does, nor a fault of the
 //! server, reaches the control.
 //! Files: `adapter_state` what the control tells, `adapter_client` the connection to it, `machine_tool` the machine in the
-//! address space, `production_plan` its orders, `order_desk` orders on their way to the control, `node_builder`,  `node_manager` the address space, `alert_event` alarms and messages, `accounts` users, `certificates`, `gatekeeper` what
-//! stands before the library.
+//! address space, `production_plan` its orders, `node_builder` how nodes are made, `node_manager` the address space,
+//! `alert_event` alarms and messages, `order_desk` orders on their way to the control, `accounts` users, `certificates`,
+//! `gatekeeper` what stands before the library, `log`.
 //! Source: OPC 10000 (OPC UA), OPC 40501-1 (machine tools).
 
 #[cfg(feature = "opcua")]

@@ -29,7 +29,7 @@ use super::gatekeeper;
 use super::log::log_line;
 use super::machine_tool::MachineNodes;
 use super::node_manager::{EventFields, MachineBuilder, MachineNodeManager};
-use super::order_desk::{OrderCall, OrderDesk};
+use super::order_desk::{MOST_WAITING, OrderCall, OrderDesk};
 
 /// Time between two trials to reach the control.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
@@ -164,6 +164,7 @@ impl OpcUaServer {
     ) -> Ended {
         let (mut client, mut idle) = (Some(client), IdleWatch::default());
         running.show(Some(state));
+        running.show_plan(Some(state));
         while !is_over() {
             let lines = client.as_mut().map(|client| running.propose(client).and_then(|()| client.lines()));
             match lines {
@@ -181,6 +182,7 @@ impl OpcUaServer {
                 }
                 None => {
                     std::thread::sleep(RETRY_INTERVAL);
+                    running.refuse_orders();
                     if let Ok((connected, welcome)) = self.welcome(is_over) {
                         if welcome.identity != state.identity {
                             return Ended::Renew;
@@ -328,6 +330,7 @@ impl Running {
         let events: Vec<_> = changes.into_iter().filter_map(|change| self.event_of(change, time)).collect();
         *state = welcome;
         self.show(Some(state));
+        self.show_plan(Some(state));
         self.tell(&events);
     }
 
@@ -369,9 +372,14 @@ impl Running {
 
     /// Hands the orders of clients on to the control.
     fn propose(&self, client: &mut AdapterClient) -> std::io::Result<()> {
-        for OrderCall { text, answer } in self.calls.try_iter() {
-            client.propose(&text)?;
-            self.waiting.borrow_mut().push_back(answer);
+        let mut waiting = self.waiting.borrow_mut();
+        // One that has waited too long was answered so: it must not be proposed any more.
+        for OrderCall { text, answer } in self.calls.try_iter().filter(|call| !call.answer.is_closed()) {
+            // A control that does not answer takes no more of them.
+            if waiting.len() < MOST_WAITING {
+                client.propose(&text)?;
+                waiting.push_back(answer);
+            }
         }
         Ok(())
     }
@@ -384,9 +392,15 @@ impl Running {
         }
     }
 
+    /// Without a control nobody's order is taken: who waits is told so.
+    fn refuse_orders(&self) {
+        self.waiting.borrow_mut().clear();
+        self.calls.try_iter().for_each(drop);
+    }
+
     /// Nothing is known of the control any more.
     fn show_silence(&self) {
-        self.waiting.borrow_mut().clear();
+        self.refuse_orders();
         self.show(None);
         self.show_plan(None);
     }

@@ -4,14 +4,13 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 use opcua::types::{StatusCode, Variant, VariantScalarTypeId};
-use serde::Deserialize;
-use serde_json::json;
+use serde::{Deserialize, Serialize, Serializer};
 use tokio::sync::oneshot;
 
 use crate::gateway::order_inbox::LONGEST_ORDER;
 
 /// Most orders that wait for the control.
-const MOST_WAITING: usize = 8;
+pub const MOST_WAITING: usize = 8;
 /// Longest time until the control has answered.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
 
@@ -74,12 +73,29 @@ pub fn order_text(arguments: &[Variant]) -> Result<String, StatusCode> {
     if variables.len() != values.len() {
         return Err(StatusCode::BadInvalidArgument);
     }
-    let pairs = variables.iter().zip(values).filter_map(|pair| match pair {
-        (Variant::String(name), Variant::Double(value)) => Some((name.as_ref().to_owned(), json!(value))),
-        _ => None,
-    });
-    let values: serde_json::Map<_, _> = pairs.collect();
-    Ok(json!({"order": order, "program": program.as_ref(), "parts": parts, "values": values}).to_string())
+    let mut pairs = Vec::new();
+    for (name, value) in variables.iter().zip(values) {
+        let (Variant::String(name), Variant::Double(value)) = (name, value) else {
+            return Err(StatusCode::BadInvalidArgument);
+        };
+        pairs.push((name.as_ref(), *value));
+    }
+    let order = OrderText { order: *order, program: program.as_ref(), parts: *parts, values: pairs };
+    serde_json::to_string(&order).map_err(|_| StatusCode::BadInvalidArgument)
+}
+
+/// An order as the control takes it. A variable that comes twice stands there twice: the control refuses it.
+#[derive(Serialize)]
+struct OrderText<'a> {
+    order: u32,
+    program: &'a str,
+    parts: u32,
+    #[serde(serialize_with = "as_map")]
+    values: Vec<(&'a str, f64)>,
+}
+
+fn as_map<S: Serializer>(pairs: &[(&str, f64)], into: S) -> Result<S::Ok, S::Error> {
+    into.collect_map(pairs.iter().copied())
 }
 
 /// The elements of an array; an empty one may come without a type.

@@ -14,7 +14,7 @@ const PLAN: TypeNumber = (Namespace::MachineTool, 30);
 const JOB: TypeNumber = (Namespace::MachineTool, 29);
 const JOB_STATE: TypeNumber = (Namespace::MachineTool, 28);
 const ORDERED_LIST: TypeNumber = (Namespace::Ua, 23_518);
-const PROGRAM: TypeNumber = (Namespace::MachineTool, 32);
+const PROGRAM: TypeNumber = (Namespace::MachineTool, 59);
 /// States of a job: their names and nodes, by their numbers.
 const STATES: [(&str, TypeNumber); 5] = [
     ("Initializing", (Namespace::MachineTool, 5_015)),
@@ -24,7 +24,9 @@ const STATES: [(&str, TypeNumber); 5] = [
     ("Aborted", (Namespace::MachineTool, 5_013)),
 ];
 /// Name of the method.
-pub const METHOD: &str = "ProposeOrder";
+const METHOD: &str = "ProposeOrder";
+/// The end of its id.
+pub const METHOD_PATH: &str = "/Production/ProductionPlan/ProposeOrder";
 
 /// The plan in the address space.
 pub struct ProductionPlan {
@@ -142,7 +144,7 @@ fn state_of(order: &ToldOrder) -> usize {
         "active" => 1,
         "closed" if order.good >= order.parts => 2,
         "closed" => 4,
-        "waiting" if order.good + order.bad > 0 => 3,
+        "waiting" if order.good.saturating_add(order.bad) > 0 => 3,
         _ => 0,
     }
 }

@@ -115,10 +115,7 @@ fn broker_lines<'a>(view: &View<'a>, broker: &BrokerView) -> ServiceLines<'a> {
             view.text("已连接，但不许接收订单等主题", "connected, but a topic (orders) is refused").to_owned(),
             view.theme.hold,
         ),
-        BrokerState::Connected if broker.tls.is_some() => {
-            (view.text("已连接", "connected").to_owned(), view.theme.text)
-        }
-        BrokerState::Connected => (view.text("已连接，未加密", "connected, not encrypted").to_owned(), view.theme.text),
+        BrokerState::Connected => (view.text("已连接", "connected").to_owned(), view.theme.text),
         BrokerState::Failed(why) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
     };
     let counts = format!("{} / {} / {} / {}", broker.sent, broker.waiting, broker.lost, broker.connections);
@@ -128,7 +125,11 @@ fn broker_lines<'a>(view: &View<'a>, broker: &BrokerView) -> ServiceLines<'a> {
         address: broker.address.clone(),
         state,
         counts: (view.text("发送 / 待发 / 丢失 / 连接次数", "sent / waiting / lost / connections"), counts),
-        tls: broker.tls.map(|tls| tls_line(view, tls)),
+        tls: match broker.tls {
+            Some(tls) => Some(tls_line(view, tls)),
+            None => (broker.state == BrokerState::Connected)
+                .then(|| (view.text("未加密", "not encrypted").to_owned(), view.theme.hold)),
+        },
     }
 }
 

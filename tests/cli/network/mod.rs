@@ -68,6 +68,8 @@ fn part(count: u64, verdict: PartVerdict) -> PartRecord {
         limits: Some([40.0, 39.995, 40.0]),
         verdict,
         since_dressing: 1,
+        wheel_mm: Some(598.4),
+        alarms: [103, 0, 0, 0],
     }
 }
 

@@ -576,3 +576,18 @@ fn a_long_history_follows_piece_by_piece_and_what_is_dropped_is_counted() {
     assert_eq!(told.len(), 10_000);
     assert!(told.iter().all(|(name, told)| name == "execution" && told.is_historical == Some(true)));
 }
+
+/// More parts than the control remembers, while the broker was away: the gap is counted.
+#[test]
+fn results_that_the_control_has_forgotten_are_counted() {
+    let mut site = Site::new();
+    site.until_born();
+    site.finish_part(1);
+    site.until("the result", |site| site.results().len() == 1 && site.view().waiting == 0);
+    site.snapshot.production.parts = PartHistory::default();
+    for count in [5, 6] {
+        site.finish_part(count);
+    }
+    site.until("the results", |site| site.results().len() == 3);
+    site.until("the gap", |site| site.view().lost == 3);
+}

@@ -76,7 +76,9 @@ fn an_order_of_the_shop_is_proposed_once_and_the_list_is_told() {
     for (bad, why) in [
         ("\"#899\": 1", "does not show #899"),
         ("\"#533\": 38", "measured"),
-        ("\"521\": 38", "is no variable"),
+        ("\"521\": 38", "is not a variable"),
+        ("\"#521\": 38, \"#521\": 39", "each once"),
+        ("\"#521\": 38.0004", "three decimals"),
         ("\"#521\": 1e9", "must be"),
         ("\"#521\": \"38\"", "invalid type"),
         ("\"#1\":0,\"#2\":0,\"#3\":0,\"#4\":0,\"#5\":0,\"#6\":0,\"#7\":0,\"#8\":0,\"#9\":0", "at most 8"),
@@ -158,9 +160,11 @@ fn an_order_at_the_adapter_port_is_proposed_and_answered() {
     give_program(&mut shop.snapshot);
     shop.step();
     let mut agent = shop.connect();
-    agent.write_all(b"* ORDERS\n* ORDER {\"order\": 701, \"program\": 1002, \"parts\": 50}\n").unwrap();
+    agent
+        .write_all(b"* PING\n* ORDERS\n* ORDERS\n* ORDER {\"order\": 701, \"program\": 1002, \"parts\": 50}\n")
+        .unwrap();
     let told = shop.until(&mut agent, "P485 is 0");
-    assert!(told.contains("* orders: []\n"), "{told}");
+    assert_eq!(told.matches("* orders: []\n").count(), 1, "one list a step: {told}");
     set(&mut shop.snapshot, "P485", 1.0);
     agent.write_all(b"* ORDER {\"order\": 701, \"program\": \"O1002\", \"parts\": 50}\n").unwrap();
     shop.until(&mut agent, "* order: {\"order\":701,\"proposed\":true,\"why\":null}\n");
@@ -169,4 +173,23 @@ fn an_order_at_the_adapter_port_is_proposed_and_answered() {
     agent.write_all(b"* ORDER M03 S1000\n").unwrap();
     shop.until(&mut agent, "\"proposed\":false");
     assert!(proposed.is_empty(), "nothing else reaches the control");
+}
+
+/// A page in a browser of this computer could send lines, too: an agent begins with a ping.
+#[test]
+fn who_does_not_begin_with_a_ping_proposes_nothing() {
+    let mut shop = Shop::new();
+    let (proposals, proposed) = crossbeam_channel::bounded(2);
+    shop.gateway = Gateway::default().with_orders(proposals);
+    give_program(&mut shop.snapshot);
+    set(&mut shop.snapshot, "P485", 1.0);
+    shop.step();
+    let order = "* ORDER {\"order\": 701, \"program\": 1002, \"parts\": 50}\n";
+    let (mut browser, mut mute) = (shop.connect(), shop.connect());
+    browser.write_all(format!("POST / HTTP/1.1\r\nHost: localhost\r\n\r\n* PING\n{order}").as_bytes()).unwrap();
+    mute.write_all(order.as_bytes()).unwrap();
+    shop.until_view("the browser is gone", |shop| shop.gateway.view().mtconnect.clients.len() == 1);
+    mute.write_all(format!("* PING\n{order}").as_bytes()).unwrap();
+    shop.until(&mut mute, "\"proposed\":true");
+    assert_eq!(proposed.len(), 1, "the one after the ping");
 }

@@ -95,6 +95,8 @@ mod tests {
             limits: None,
             verdict: if number == 1 { PartVerdict::Out { partly: false } } else { PartVerdict::Good },
             since_dressing: 0,
+            wheel_mm: None,
+            alarms: [0; 4],
         };
         PartHistory::new(cycles.iter().enumerate().map(part), cycles.len() as u64)
     }

@@ -9,7 +9,7 @@ use crate::defs::production_order::{ORDER_NUMBERS, ORDER_TARGETS, ProductionOrde
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::{Area, FieldEditor, ValueField, View, keycap, theme};
 use crate::link::Snapshot;
-use crate::link::production::OrderCommand;
+use crate::link::production::{OrderCommand, OrderProposal};
 
 /// A field of the form.
 pub struct OrderField {
@@ -99,7 +99,9 @@ impl OrderEntry {
                 LocalizedText::new(format!("先键入{}", name.zh), format!("type {} first", name.en))
             })
         });
-        Ok(OrderCommand::Enter { number: number?, program: program?, target: target? })
+        let (number, program, target) = (number?, program?, target?);
+        let values = snapshot.production.order(number).map(|order| order.values).unwrap_or_default();
+        Ok(OrderCommand::Enter(OrderProposal { number, program, target, values }))
     }
 }
 
@@ -146,12 +148,15 @@ fn made(rect: Rect, view: &View<'_>, entry: &OrderEntry) {
     let parts: Vec<_> = parts_of(view.snapshot, order).collect();
     let values = order_values::lines(view, order).into_iter();
     let figures = figures::figures(view.lang, order, &parts).into_iter().map(|(name, value)| (name.to_owned(), value));
-    for (index, (name, value)) in values.chain(figures).enumerate() {
+    let all: Vec<_> = values.chain(figures).collect();
+    let room = (rect.height() / LINE_HEIGHT) as usize;
+    for (index, (name, value)) in all.iter().enumerate() {
         let line = rect.band(index as f32 * LINE_HEIGHT, LINE_HEIGHT);
-        if line.max.y > rect.max.y {
+        if all.len() > room && index + 1 >= room {
+            view.line_right(line, &format!("… +{}", all.len() - index), theme::LABEL, view.theme.muted);
             break;
         }
-        let shown = view.line_right(line, &value, theme::LABEL, view.theme.text);
-        view.fit_left(line.with_max_x(shown.min.x - theme::GAP), &name, theme::LABEL, view.theme.muted);
+        let shown = view.line_right(line, value, theme::LABEL, view.theme.text);
+        view.fit_left(line.with_max_x(shown.min.x - theme::GAP), name, theme::LABEL, view.theme.muted);
     }
 }
