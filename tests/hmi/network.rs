@@ -76,7 +76,7 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
         "MQTT",
         "broker.shop:8883",
         "connected",
-        "encrypted, certificate until 2029-02-27",
+        "TLS until 2029-02-27",
         "sent / waiting / lost / connections",
         "4711 / 3 / 0 / 2",
     ] {

@@ -136,7 +136,7 @@ fn broker_lines<'a>(view: &View<'a>, broker: &BrokerView) -> ServiceLines<'a> {
 /// Until when the certificates of encrypted connections are valid; what ends soon is marked.
 fn tls_line(view: &View<'_>, tls: TlsView) -> (String, Color32) {
     let Some(end) = tls.valid_until else {
-        return (view.text("加密", "encrypted").to_owned(), view.theme.text);
+        return ("TLS".to_owned(), view.theme.text);
     };
     let [year, month, day, ..] = end.parts();
     let left = view.snapshot.date.map(|now| end.0 - now.0);
@@ -145,7 +145,7 @@ fn tls_line(view: &View<'_>, tls: TlsView) -> (String, Color32) {
         Some(..=SOON) => view.theme.hold,
         _ => view.theme.text,
     };
-    let words = view.text("加密，证书至", "encrypted, certificate until");
+    let words = view.text("TLS 证书至", "TLS until");
     (format!("{words} {year}-{month:02}-{day:02}"), ink)
 }
 
