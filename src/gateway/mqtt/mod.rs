@@ -321,7 +321,9 @@ impl MqttClient {
         if self.orders.begins(snapshot) {
             link.subscribe(&node.own_topic(ORDER_TOPIC));
         }
-        if let Some(list) = self.orders.changed_list(snapshot) {
+        if let Some(list) = self.orders.changed_list(snapshot)
+            && self.outbox.told.keeps_list(!list.is_empty())
+        {
             link.publish_retained(&node.own_topic(LIST_TOPIC), list.into_bytes());
         }
         link.send();

@@ -46,6 +46,9 @@ struct Told {
     /// Parts between two that it has: the control had forgotten them by then.
     #[serde(default)]
     skipped: u64,
+    /// The broker keeps a list of orders.
+    #[serde(default)]
+    has_list: bool,
 }
 
 /// The file and what it is to say.
@@ -76,6 +79,13 @@ impl ToldToBroker {
     /// The results that the broker has, newest last.
     pub fn parts(&self) -> impl DoubleEndedIterator<Item = &SentPart> {
         self.told.parts.iter()
+    }
+
+    /// The broker gets a list of orders to keep, or is to keep none; whether it has to be told.
+    pub fn keeps_list(&mut self, is_kept: bool) -> bool {
+        let had_list = std::mem::replace(&mut self.told.has_list, is_kept);
+        self.is_changed |= had_list != is_kept;
+        is_kept || had_list
     }
 
     /// Results that it never gets: more parts than the control remembers were made while it was away.
