@@ -5,11 +5,16 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 use kt830::defs::dialect::Dialect;
 use kt830::defs::kind::Kind;
 use kt830::defs::leadscrew::LeadscrewCompensation;
 use kt830::defs::page_text;
+use kt830::defs::param::{self, ParamAddress};
+use kt830::gateway::opcua::adapter_state::AdapterState;
+use kt830::gateway::opcua_report::OpcUaReport;
+use kt830::gateway::order_inbox::OrderInbox;
 use kt830::host::folders::parse_picture;
 use kt830::host::picture_labels::{PICTURE_SIZE, parse_picture_labels};
 use kt830::host::serial::SERIAL_LIMIT;
@@ -18,6 +23,7 @@ use kt830::host::transfer::{convert_picture, read_archive};
 use kt830::host::value_set::check_values;
 use kt830::io::fieldbus::description::MachineDescription;
 use kt830::io::sim::{MachineFile, PartFile};
+use kt830::link::snapshot::{DirectoryRow, Snapshot};
 use kt830::nc::{
     CommonVariables, EmptyLibrary, NcSettings, OfflineMachine, ProgramCheck, ProgramFault, SharedLibrary, Source,
     check_syntax,
@@ -33,12 +39,14 @@ use kt830::story;
 pub type Target = fn(&[u8]);
 
 /// Every target by the name of its folder.
-pub const TARGETS: [(&str, Target); 17] = [
+pub const TARGETS: [(&str, Target); 19] = [
+    ("adapter_lines", adapter_lines),
     ("archive", archive),
     ("encoding", encoding),
     ("leadscrew", leadscrew),
     ("machine_description", machine_description),
     ("machine_file", machine_file),
+    ("order_message", order_message),
     ("page", page),
     ("part_file", part_file),
     ("picture", picture),
@@ -56,6 +64,41 @@ pub const TARGETS: [(&str, Target); 17] = [
 /// A folder of grinder programs; its files are not read.
 fn shelf() -> ProgramFolder {
     ProgramFolder::new(Path::new("programs"), false)
+}
+
+/// What a control, or whoever stands in its place, tells the OPC UA server: memory is bounded whatever comes.
+pub fn adapter_lines(bytes: &[u8]) {
+    let mut state = AdapterState::default();
+    for line in String::from_utf8_lossy(bytes).lines() {
+        let events = state.take(line);
+        assert!(events.len() <= 1_000, "{} events", events.len());
+    }
+    let again = state.clone();
+    assert_eq!(state.changes_to(&again), []);
+    assert!(state.items().count() <= 1_000 && state.alarms().count() <= 1_000 && state.orders().len() <= 1_000);
+    if let Some(view) = OpcUaReport::view(bytes) {
+        assert!(view.address.len() <= 400);
+    }
+}
+
+/// An order of the shop: it becomes a proposal that passes every check, or is answered with a reason.
+pub fn order_message(bytes: &[u8]) {
+    let mut snapshot = Snapshot::new(Kind::Gc);
+    let on = ParamAddress { number: param::SHOP_ORDERS.number, bit: None };
+    assert!(Arc::make_mut(&mut snapshot.params).write(on, 1.0).is_ok());
+    let row = DirectoryRow { number: 1_002, name: "O1002".to_owned(), ..DirectoryRow::default() };
+    snapshot.directory = Arc::new(vec![row]);
+    let (proposals, taken) = crossbeam_channel::bounded(1);
+    let answer = OrderInbox::new(proposals).take(Duration::ZERO, bytes, &snapshot);
+    assert!(answer.len() <= 2_000 && !answer.contains('\n'), "{answer}");
+    match taken.try_recv() {
+        Ok(proposal) => {
+            assert!(answer.contains("\"proposed\":true"), "{answer}");
+            assert!(proposal.program == 1_002 && (1..=999_999).contains(&proposal.target), "{proposal:?}");
+            assert!(proposal.values.iter().all(|value| value.number.is_finite()), "{proposal:?}");
+        }
+        Err(_) => assert!(answer.contains("\"why\":\""), "{answer}"),
+    }
 }
 
 /// A backup on a USB stick: what it names stays inside its folder, and its values are checked. The bytes are read as they

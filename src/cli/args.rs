@@ -220,10 +220,10 @@ pub struct ServeArgs {
 /// `kt830 fleet`
 #[derive(Debug, ClapArgs)]
 pub struct FleetArgs {
-    /// A story that every machine plays again and again
-    pub story: PathBuf,
+    /// A story that every machine plays again and again [default: cold start to a ground, measured part]
+    pub story: Option<PathBuf>,
     /// The broker, HOST:PORT, without TLS
-    #[arg(long, value_name = "HOST:PORT")]
+    #[arg(long, value_name = "HOST:PORT", default_value = "localhost:1883")]
     pub broker: String,
     /// Group of the machines
     #[arg(long, value_name = "NAME", default_value = "KT-830")]
@@ -231,8 +231,8 @@ pub struct FleetArgs {
     /// How many controls, 1 to 500; their numbers (P482) are 1, 2, 3 …
     #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=500))]
     pub machines: u32,
-    /// How long they work, seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 60)]
+    /// How long they work: 90, 90s, 10min, 2h
+    #[arg(long = "for", value_name = "TIME", default_value = "60s", value_parser = seconds_of)]
     pub seconds: u64,
 }
 
@@ -466,4 +466,17 @@ fn variable(word: &str) -> Result<(u16, f64), String> {
     let number = crate::story::parse::variable(name.trim()).ok_or_else(wrong)?;
     let value: f64 = value.trim().parse().map_err(|_| wrong())?;
     if value.is_finite() { Ok((number, value)) } else { Err(wrong()) }
+}
+
+/// A time as people write it, s: `90`, `90s`, `10min`, `2h`; a day at most.
+fn seconds_of(written: &str) -> Result<u64, String> {
+    let digits = written.trim_end_matches(|sign: char| sign.is_ascii_alphabetic());
+    let factor = match &written[digits.len()..] {
+        "" | "s" => 1,
+        "min" => 60,
+        "h" => 3_600,
+        other => return Err(format!("'{other}' is no unit: s, min or h")),
+    };
+    let seconds = digits.parse().ok().and_then(|number: u64| number.checked_mul(factor));
+    seconds.filter(|seconds| (1..=86_400).contains(seconds)).ok_or_else(|| "1 s to 24 h".to_owned())
 }

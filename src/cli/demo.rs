@@ -3,12 +3,11 @@
 //! Source: spec tools.md T2.
 
 use super::args::{DemoArgs, SharedArgs};
-use super::play::{StoryFile, read_story};
+use super::play::{StoryFile, demo_story, read_story};
 use super::run::size_lines;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
-use crate::defs::kind::Kind;
 use crate::host::headless::HeadlessHost;
-use crate::story::{Statement, parse, play::state_report};
+use crate::story::{Statement, play::state_report};
 
 /// Plays the story.
 ///
@@ -17,12 +16,7 @@ use crate::story::{Statement, parse, play::state_report};
 pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
     let told = match &call.story {
         Some(path) => read_story(path, shared.kind)?,
-        None => {
-            let of_kind = shared.requested_kind.and_then(|kind| kind.row().demo_story);
-            let story = of_kind.or(Kind::default().row().demo_story).unwrap_or_default();
-            let (kind, lines) = parse(story, shared.kind).map_err(CallError::new)?;
-            StoryFile { kind, lines, folder: ".".into() }
-        }
+        None => demo_story(shared)?,
     };
     let shared = SharedArgs { kind: told.kind, ..shared.clone() };
     #[cfg(feature = "hmi")]
@@ -93,12 +87,13 @@ mod live {
 
     use super::super::args::SharedArgs;
     use super::super::play::StoryFile;
-    use super::super::{CallError, setup, story_loop, window};
+    use super::super::{CallError, serve, setup, story_loop, window};
     use crate::host::thread::start;
 
     pub fn play(shared: &SharedArgs, told: StoryFile) -> Result<u8, CallError> {
         let host = setup::threaded_host(shared, false, setup::simulated_for_display)?;
-        let link = start(host, move |thread| story_loop::repeat(thread, &told)).map_err(CallError::new)?;
+        let mut link = start(host, move |thread| story_loop::repeat(thread, &told)).map_err(CallError::new)?;
+        let _network = serve::start_network(&mut link, shared)?;
         window::show(link, shared, false)
     }
 }

@@ -1,21 +1,25 @@
 //! `kt830 fleet`: many simulated controls at the pace of the clock, each with its own network client, against one broker: to
-//! see whether a shop's broker and its applications bear them, and that no result is lost.
+//! see whether a shop's broker and its applications bear them, and that no result is lost. The ports of the machines (MTConnect,
+//! browsers) stay closed: a hundred of them in a process would not be those of a hundred computers.
 //! Source: docs/manual, chapter "network".
 
 use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use crossbeam_channel::{Receiver, bounded};
+
 use super::args::{FleetArgs, SharedArgs};
-use super::play::{StoryFile, read_story};
+use super::play::{StoryFile, demo_story, read_story};
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::param::{self, ParamAddress};
 use crate::gateway::Gateway;
 use crate::host::headless::HeadlessHost;
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::DirectStorage;
-use crate::link::Snapshot;
 use crate::link::network::{BrokerState, BrokerView};
+use crate::link::production::OrderProposal;
+use crate::link::{Command, Snapshot};
 use crate::story::{Player, Stage, Statement};
 
 /// Ticks between two looks of the network client.
@@ -39,7 +43,10 @@ struct MachineResult {
 /// # Errors
 /// The call, the story or a folder is wrong.
 pub fn fleet(shared: &SharedArgs, call: &FleetArgs) -> Result<u8, CallError> {
-    let story = read_story(&call.story, shared.kind)?;
+    let story = match &call.story {
+        Some(path) => read_story(path, shared.kind)?,
+        None => demo_story(shared)?,
+    };
     let shared = SharedArgs { kind: story.kind, ..shared.clone() };
     let folder = tempfile::tempdir().map_err(CallError::at("temporary folder"))?;
     let mut fleet = Vec::new();
@@ -50,8 +57,17 @@ pub fn fleet(shared: &SharedArgs, call: &FleetArgs) -> Result<u8, CallError> {
     let begun = Instant::now();
     let ends = begun + Duration::from_secs(call.seconds);
     let results: Vec<MachineResult> = thread::scope(|scope| {
-        let machines = fleet.into_iter().map(|(number, (host, gateway))| {
-            let machine = RealTimeMachine::new(host, gateway, begun + STAGGER * number, ends);
+        let machines = fleet.into_iter().map(|(number, (mut host, gateway))| {
+            let (proposals, orders) = bounded(1);
+            let machine = RealTimeMachine {
+                snapshot: host.snapshot().clone(),
+                gateway: gateway.with_orders(proposals),
+                orders,
+                host,
+                begins: begun + STAGGER * number,
+                ends,
+                ticks: 0,
+            };
             let story = &story;
             scope.spawn(move || machine.work(story))
         });
@@ -110,6 +126,8 @@ fn prepare(
 struct RealTimeMachine {
     host: HeadlessHost,
     gateway: Gateway,
+    /// Orders of the shop.
+    orders: Receiver<OrderProposal>,
     snapshot: Snapshot,
     begins: Instant,
     ends: Instant,
@@ -117,11 +135,6 @@ struct RealTimeMachine {
 }
 
 impl RealTimeMachine {
-    fn new(mut host: HeadlessHost, gateway: Gateway, begins: Instant, ends: Instant) -> Self {
-        let snapshot = host.snapshot().clone();
-        Self { host, gateway, snapshot, begins, ends, ticks: 0 }
-    }
-
     /// Plays the story again and again, then waits until the broker has everything.
     fn work(mut self, story: &StoryFile) -> MachineResult {
         let mut failed = 0;
@@ -159,6 +172,9 @@ impl RealTimeMachine {
             sleep_until(self.begins + Duration::from_micros(self.host.tick_time().0 * self.ticks));
             self.host.snapshot_into(&mut self.snapshot);
             self.gateway.step(self.begins.elapsed(), time_of_day(), &self.snapshot);
+            if let Ok(proposal) = self.orders.try_recv() {
+                self.host.send(Command::ProposeOrder(proposal));
+            }
         }
     }
 }

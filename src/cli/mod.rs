@@ -41,6 +41,7 @@ mod trace_file;
 mod window;
 
 use std::fmt::Display;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -143,6 +144,10 @@ fn print_warning_line(text: std::fmt::Arguments<'_>) {
 
 /// The first line of standard input: a password, which no list of processes shows.
 fn password_line() -> Result<String, CallError> {
+    let stdin = std::io::stdin();
+    if stdin.is_terminal() {
+        warn_line!("kt830: type the password (it is shown), then Enter");
+    }
     let line = std::io::stdin().lines().next().transpose().map_err(CallError::at("password"))?;
     line.ok_or_else(|| CallError::new("write the password to standard input"))
 }

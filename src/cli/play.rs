@@ -52,6 +52,17 @@ pub fn read_story(path: &Path, kind: Kind) -> Result<StoryFile, CallError> {
     Ok(StoryFile { kind, lines, folder: path.parent().unwrap_or(Path::new(".")).to_owned() })
 }
 
+/// The story that shows a kind of machine, from a cold start to a part; of the first kind where another has none.
+///
+/// # Errors
+/// Never with the stories of the program.
+pub fn demo_story(shared: &SharedArgs) -> Result<StoryFile, CallError> {
+    let of_kind = shared.requested_kind.and_then(|kind| kind.row().demo_story);
+    let story = of_kind.or(Kind::default().row().demo_story).unwrap_or_default();
+    let (kind, lines) = parse(story, shared.kind).map_err(CallError::new)?;
+    Ok(StoryFile { kind, lines, folder: ".".into() })
+}
+
 /// The stage of `kt830 play`: a headless host that stops at a time and writes a trace.
 struct TracedStage {
     host: HeadlessHost,

@@ -3,6 +3,7 @@
 //! web-access`: the password of viewers on other computers.
 //! Source: docs/manual, chapter "network".
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -11,6 +12,7 @@ use super::args::{ServeArgs, SharedArgs, WebAccessArgs};
 use super::painter::painter;
 use super::play::read_story;
 use super::{CallError, SUCCESS, password_line, print_line, setup, story_loop};
+use crate::defs::param;
 use crate::gateway::device_model::device_model;
 use crate::gateway::{Gateway, GatewayThread, set_viewer_password, timestamp};
 use crate::host::link::{HostLink, ObserverEnds};
@@ -54,13 +56,29 @@ pub fn serve(shared: &SharedArgs, call: &ServeArgs) -> Result<u8, CallError> {
     Ok(SUCCESS)
 }
 
-/// Starts the network services of a control; they end when this is dropped.
+/// Starts the network services of a simulated control, with the settings of the data directory that the call names: those of
+/// a machine in the platform's directory are not its own. They end when this is dropped.
 ///
 /// # Errors
-/// The system cannot create a thread, or there is no data directory.
+/// The system cannot create a thread.
 pub fn start_network(link: &mut HostLink, shared: &SharedArgs) -> Result<Option<GatewayThread>, CallError> {
-    let folder = setup::data_dir(shared)?.root().to_path_buf();
-    let gateway = Gateway::new(painter(shared.lang)).with_folder(folder);
+    start_network_in(link, shared, shared.data.clone())
+}
+
+/// Starts the network services of a control with the settings in a data directory.
+///
+/// # Errors
+/// The system cannot create a thread.
+pub fn start_network_in(
+    link: &mut HostLink,
+    shared: &SharedArgs,
+    folder: Option<PathBuf>,
+) -> Result<Option<GatewayThread>, CallError> {
+    let gateway = Gateway::new(painter(shared.lang));
+    let gateway = match folder {
+        Some(folder) => gateway.with_folder(folder),
+        None => gateway,
+    };
     let started = link.take_observer().map(|ends| {
         let ObserverEnds { snapshots, tell, proposals } = ends;
         GatewayThread::start(snapshots, gateway.with_orders(proposals), tell)
@@ -94,6 +112,9 @@ pub fn print_device_model(shared: &SharedArgs) -> Result<u8, CallError> {
     let mut params = setup::kept_params(shared)?;
     for (address, value) in &shared.params {
         params.write(*address, *value).map_err(CallError::new)?;
+    }
+    if params.get(param::MACHINE_NUMBER) < 1.0 {
+        warn_line!("kt830: P482 is 0: each machine needs a number of its own (--param P482=123)");
     }
     let mut snapshot = Snapshot::new(shared.kind);
     let fitted = params.fitted().axes();

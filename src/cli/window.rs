@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use super::args::SharedArgs;
 use super::process_end::{guard_exit, guard_process};
-use super::serve::start_network;
+use super::serve::start_network_in;
 use super::{CallError, SUCCESS, setup};
 use crate::defs::alarm;
 use crate::defs::param::Params;
@@ -109,7 +109,9 @@ fn open_with<P: HostedMachine + Send + 'static>(
         host.place_part(&part);
     }
     host.set_part_rule(if shared.part.is_some() { PartRule::Keep } else { PartRule::FollowProgram });
-    let link = start(host, run_until_stopped).map_err(CallError::new)?;
+    let mut link = start(host, run_until_stopped).map_err(CallError::new)?;
+    let folder = setup::data_dir(shared)?.root().to_path_buf();
+    let _network = start_network_in(&mut link, shared, Some(folder))?;
     show(link, shared, fullscreen)
 }
 
@@ -117,9 +119,8 @@ fn open_with<P: HostedMachine + Send + 'static>(
 ///
 /// # Errors
 /// There is no display.
-pub fn show(mut link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
+pub fn show(link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
     guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
-    let _network = start_network(&mut link, shared)?;
     let options = WindowOptions { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness };
     match run(Box::new(link), options) {
         Ok(()) => Ok(SUCCESS),

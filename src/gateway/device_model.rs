@@ -36,6 +36,7 @@ pub fn device_model(snapshot: &Snapshot, created: &str) -> String {
         model.component(Component::Axes, &format!("{axes}{}", model.component(Component::Spindle, ""))),
         model.component(Component::Controller, &model.component(Component::Path, "")),
         fitted(&[Component::Door]),
+        fitted(&[Component::Gauge]),
         format!("<Systems id=\"{}systems\"><Components>{systems}</Components></Systems>", model.prefix),
     ];
     let description = format!("KT-830 {}", snapshot.kind.name().en);
@@ -124,6 +125,7 @@ fn element(component: Component) -> (&'static str, String) {
         Component::Coolant => ("Coolant", "coolant_system"),
         Component::Hydraulic => ("Hydraulic", "hydraulic_system"),
         Component::Lubrication => ("Lubrication", "lubrication_system"),
+        Component::Gauge => ("Sensor", "gauge"),
         Component::Door => ("Door", "door"),
     };
     (element, id.to_owned())

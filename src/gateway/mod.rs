@@ -3,7 +3,7 @@
 //! but orders that the operator has to accept.
 //! Off by factory: with port 0 nothing listens, and no broker is looked for.
 //! Files: `port_server` a port with bounded connections, `shdr` the lines of MTConnect, `shdr_server` the port of its
-//! agents, `mqtt` what a broker is told, `order_inbox` orders of the shop, `device_model` the model of the machine, `web`
+//! agents, `mqtt` what a broker is told, `order_inbox` orders of the shop, `opcua_report` what the OPC UA server says of itself, `device_model` the model of the machine, `web`
 //! the view for a phone, `metrics` the same for Prometheus, `web_access` who may look at it from other computers,
 //! `picture_thread` who paints its picture, `wire` a stream with or without TLS, `certificate_end` until when a certificate
 //! is valid.
@@ -12,9 +12,9 @@ mod certificate_end;
 pub mod device_model;
 mod metrics;
 mod mqtt;
-#[cfg(any(feature = "opcua", test))]
 pub mod opcua;
-mod order_inbox;
+pub mod opcua_report;
+pub mod order_inbox;
 mod picture_thread;
 mod port_server;
 pub mod shdr;
@@ -44,7 +44,8 @@ use self::web_access::WebAccess;
 pub use self::web_access::set_viewer_password;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
-use crate::link::network::{NetworkView, ServiceState, ServiceView, TlsView};
+use crate::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView, TlsView};
+use crate::link::observed::ObservedSnapshot;
 use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
@@ -154,6 +155,10 @@ impl<S: HasPort> Service<S> {
     }
 }
 
+fn no_folder() -> LocalizedText {
+    Text::new("没有数据目录", "there is no data directory").into()
+}
+
 fn internal_fault() -> LocalizedText {
     Text::new("内部错误，见日志", "an internal fault, see the log").into()
 }
@@ -168,7 +173,7 @@ fn open_view(port: u16, folder: Option<&Path>, reaches_network: bool) -> Result<
     let access = match (reaches_network, folder) {
         (false, _) => None,
         (true, Some(folder)) => Some(WebAccess::read(folder)?),
-        (true, None) => return Err(Text::new("没有数据目录", "there is no data directory").into()),
+        (true, None) => return Err(no_folder()),
     };
     WebServer::open(port, access).map_err(|error| why_closed(&error))
 }
@@ -188,8 +193,10 @@ fn why_closed(error: &std::io::Error) -> LocalizedText {
 pub struct Gateway {
     mtconnect: Service<ShdrServer>,
     web: Service<WebServer>,
-    /// None without a data directory.
+    /// None without a data directory, which has its settings.
     mqtt: Option<MqttClient>,
+    /// A broker is asked for.
+    wants_broker: bool,
     pictures: Option<PictureThread>,
     /// The data directory.
     folder: Option<PathBuf>,
@@ -218,7 +225,7 @@ impl Gateway {
         Self { mqtt, inbox, ..self }
     }
 
-    /// Serves everybody. `now` runs on from any begin; `time` is the time of day.
+    /// Serves everybody. `now` runs on from any begin; `time` is when the snapshot was taken, since 1970, UTC.
     pub fn step(&mut self, now: Duration, time: Duration, snapshot: &Snapshot) {
         let port = |of| snapshot.params.get(of) as u16;
         let reaches_network = snapshot.params.get(param::NETWORK_REACH) > 0.0;
@@ -247,6 +254,7 @@ impl Gateway {
 
     /// A client that fails ends its connection, and nothing else.
     fn step_broker(&mut self, now: Duration, time: Duration, snapshot: &Snapshot) {
+        self.wants_broker = snapshot.params.get(param::MQTT_ENABLED) > 0.0;
         let Some(mqtt) = &mut self.mqtt else { return };
         if catch_unwind(AssertUnwindSafe(|| mqtt.step(now, time, snapshot))).is_err() {
             mqtt.fail(now, internal_fault(), snapshot);
@@ -264,8 +272,15 @@ impl Gateway {
     /// What the page shows.
     #[must_use]
     pub fn view(&self) -> NetworkView {
-        let mqtt = self.mqtt.as_ref().map(|mqtt| mqtt.view().clone()).unwrap_or_default();
-        NetworkView { mtconnect: self.mtconnect.view(), web: self.web.view(), mqtt }
+        let mqtt = match &self.mqtt {
+            Some(mqtt) => mqtt.view().clone(),
+            None if self.wants_broker => {
+                BrokerView { state: BrokerState::Failed(no_folder()), ..BrokerView::default() }
+            }
+            None => BrokerView::default(),
+        };
+        let opcua = self.mtconnect.server.as_ref().and_then(ShdrServer::opcua).cloned().unwrap_or_default();
+        NetworkView { mtconnect: self.mtconnect.view(), web: self.web.view(), mqtt, opcua }
     }
 }
 
@@ -281,7 +296,7 @@ impl GatewayThread {
     /// # Errors
     /// The system cannot create a thread.
     pub fn start(
-        snapshots: triple_buffer::Output<Snapshot>,
+        snapshots: triple_buffer::Output<ObservedSnapshot>,
         gateway: Gateway,
         tell: triple_buffer::Input<Option<NetworkView>>,
     ) -> std::io::Result<Self> {
@@ -315,7 +330,7 @@ fn time_of_day() -> Duration {
 
 /// What the thread works with.
 struct Serving {
-    snapshots: triple_buffer::Output<Snapshot>,
+    snapshots: triple_buffer::Output<ObservedSnapshot>,
     gateway: Gateway,
     tell: triple_buffer::Input<Option<NetworkView>>,
     started: Instant,
@@ -332,11 +347,11 @@ impl Serving {
             self.updated_at = Some(now);
         }
         let Some(updated_at) = self.updated_at else { return };
-        let time = time_of_day();
         if now.saturating_sub(updated_at) > LONGEST_STANDSTILL {
-            self.gateway.close(time);
+            self.gateway.close(time_of_day());
         } else {
-            self.gateway.step(now, time, self.snapshots.output_buffer_mut());
+            let ObservedSnapshot { snapshot, taken } = self.snapshots.output_buffer_mut();
+            self.gateway.step(now, Duration::from_micros(taken.0), snapshot);
         }
         if self.told_at.is_some_and(|at| now.saturating_sub(at) < VIEW_INTERVAL) {
             return;

@@ -1,16 +1,20 @@
 //! The port to which agents of MTConnect connect. It sends, and understands `* PING`. Programs of the same computer, such
-//! as the OPC UA server, may ask for the list of orders (`* ORDERS`) and propose one (`* ORDER {…}`): the operator accepts
-//! it. Nothing else that is received reaches the control.
+//! as the OPC UA server, may ask for the list of orders (`* ORDERS`), propose one (`* ORDER {…}`), which the operator
+//! accepts, and say how the OPC UA server does (`* OPCUA {…}`), for the page. Nothing else that is received reaches the
+//! control.
 //! Source: MTConnect Agent (cppagent), "Adapter Agent Protocol".
 
 use std::cell::Cell;
+use std::net::SocketAddr;
 use std::sync::PoisonError;
 use std::time::Duration;
 
+use super::opcua_report::OpcUaReport;
 use super::order_inbox::{self, LONGEST_ORDER, SharedInbox};
 use super::port_server::{Connection, ConnectionState, PortLimits, PortServer};
 use super::shdr::ShdrLines;
 use super::timestamp;
+use crate::link::network::OpcUaView;
 use crate::link::snapshot::Snapshot;
 
 /// Most agents, what each may leave unread, its longest line, and how long it may take to its first ping.
@@ -29,6 +33,8 @@ pub struct ShdrServer {
     pub port: PortServer,
     lines: ShdrLines,
     inbox: SharedInbox,
+    /// The OPC UA server, and its connection.
+    opcua: Option<(SocketAddr, OpcUaView)>,
     /// When measured values are looked at again.
     sample_at: Duration,
 }
@@ -40,7 +46,7 @@ impl ShdrServer {
     /// The port is in use or not allowed.
     pub fn open(port: u16, reaches_network: bool, inbox: SharedInbox) -> std::io::Result<Self> {
         let port = PortServer::open(port, reaches_network, LIMITS)?;
-        Ok(Self { port, lines: ShdrLines::default(), inbox, sample_at: Duration::ZERO })
+        Ok(Self { port, lines: ShdrLines::default(), inbox, opcua: None, sample_at: Duration::ZERO })
     }
 
     /// Tells what has changed, takes new agents, answers pings. `time` is the time of day.
@@ -59,15 +65,27 @@ impl ShdrServer {
             told.set(told.get() + everything.lines().count());
             everything.into_bytes()
         };
-        let inbox = &self.inbox;
-        self.port.step(now, welcome, |agent| answer(agent, now, inbox, snapshot));
+        let (inbox, opcua) = (&self.inbox, &mut self.opcua);
+        self.port.step(now, welcome, |agent| answer(agent, now, (inbox, opcua), snapshot));
         self.port.count_sent(told.get() as u64);
+    }
+
+    /// What the OPC UA server has said of itself, while it is connected.
+    #[must_use]
+    pub fn opcua(&self) -> Option<&OpcUaView> {
+        let (server, view) = self.opcua.as_ref()?;
+        self.port.clients().any(|client| client == *server).then_some(view)
     }
 }
 
 /// Answers the pings of an agent, and who speaks of orders; one that has pinged is to go on. One that begins with something
 /// else is none: a page in a browser of this computer could send lines, too.
-fn answer(agent: &mut Connection, now: Duration, inbox: &SharedInbox, snapshot: &Snapshot) {
+fn answer(
+    agent: &mut Connection,
+    now: Duration,
+    (inbox, opcua): (&SharedInbox, &mut Option<(SocketAddr, OpcUaView)>),
+    snapshot: &Snapshot,
+) {
     let mut is_listed = false;
     while let Some(end) = agent.received.iter().position(|byte| *byte == b'\n') {
         let line: Vec<u8> = agent.received.drain(..=end).collect();
@@ -90,6 +108,8 @@ fn answer(agent: &mut Connection, now: Duration, inbox: &SharedInbox, snapshot: 
                 false => order_inbox::answer(None, Err("orders come from programs of the same computer".to_owned())),
             };
             agent.pending.extend_from_slice(format!("* order: {answer}\n").as_bytes());
+        } else if let Some(view) = OpcUaReport::view(line).filter(|_| is_of_this_computer(agent)) {
+            *opcua = Some((agent.address, view));
         }
     }
 }

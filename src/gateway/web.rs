@@ -42,7 +42,7 @@ pub struct WebView<'a> {
     pub snapshot: &'a Snapshot,
     /// Its screen as PNG, if it is painted.
     pub picture: Option<&'a [u8]>,
-    /// Time of day since 1970, UTC.
+    /// When it was so, since 1970, UTC.
     pub time: Duration,
 }
 
@@ -133,7 +133,7 @@ fn answer(
     let path = request.path.unwrap_or_default().split('?').next().unwrap_or_default();
     Some(match (request.method.unwrap_or_default(), path) {
         ("GET", "/") => response("200 OK", "text/html; charset=utf-8", PAGE.as_bytes()),
-        ("GET", "/state.json") => response("200 OK", "application/json", state(view.snapshot).to_string().as_bytes()),
+        ("GET", "/state.json") => response("200 OK", "application/json", state(view).to_string().as_bytes()),
         ("GET", "/screen.png") => {
             *wanted = true;
             match view.picture {
@@ -165,8 +165,8 @@ fn response(status: &str, kind: &str, body: &[u8]) -> Vec<u8> {
     [head.as_bytes(), body].concat()
 }
 
-/// The state of the machine: every data item, the alarms, the sizes of the last parts.
-fn state(snapshot: &Snapshot) -> Value {
+/// The state of the machine and when it was so: every data item, the alarms, the sizes of the last parts.
+fn state(WebView { snapshot, time, .. }: &WebView<'_>) -> Value {
     let items = data_items(snapshot).map(|item| (item.id(), item_value(&item, snapshot)));
     let alarm = |alarm: &AlarmView| {
         let text = |text: &crate::defs::text::LocalizedText| json!({"zh": text.zh(), "en": text.en()});
@@ -185,6 +185,7 @@ fn state(snapshot: &Snapshot) -> Value {
     let state = snapshot.state_name();
     json!({
         "machine": device_uuid(snapshot),
+        "time": timestamp(*time),
         "state": {"zh": state.zh, "en": state.en},
         "items": items.collect::<serde_json::Map<String, Value>>(),
         "alarms": snapshot.alarms.iter().map(alarm).collect::<Vec<_>>(),

@@ -13,6 +13,7 @@ use super::control_end::ControlEnd;
 use crate::defs::key::Key;
 use crate::link::command::Command;
 use crate::link::network::NetworkView;
+use crate::link::observed::ObservedSnapshot;
 use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
@@ -47,7 +48,7 @@ impl Default for NetworkLink {
 /// What a gateway works with.
 pub struct ObserverEnds {
     /// The newest snapshots.
-    pub snapshots: triple_buffer::Output<Snapshot>,
+    pub snapshots: triple_buffer::Output<ObservedSnapshot>,
     /// Where it tells what its page shows.
     pub tell: triple_buffer::Input<Option<NetworkView>>,
     /// Where orders of the shop go, for the operator to accept.
@@ -59,7 +60,7 @@ pub struct HostLink {
     pub(super) commands: Sender<Command>,
     pub(super) urgent: Sender<Command>,
     pub(super) snapshots: triple_buffer::Output<Snapshot>,
-    pub(super) observer: Option<(triple_buffer::Output<Snapshot>, Sender<OrderProposal>)>,
+    pub(super) observer: Option<(triple_buffer::Output<ObservedSnapshot>, Sender<OrderProposal>)>,
     pub(super) network: NetworkLink,
     pub(super) updated: Instant,
     pub(super) health: Arc<ThreadHealth>,

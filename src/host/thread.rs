@@ -12,6 +12,7 @@ use crossbeam_channel::{Receiver, bounded};
 use triple_buffer::TripleBuffer;
 
 use super::Host;
+use super::clock::time_of_day;
 use super::control_end::ControlEnd;
 use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, NetworkLink, ThreadHealth};
@@ -20,6 +21,7 @@ use super::storage::Storage;
 use crate::defs::{alarm, param};
 use crate::io::fieldbus::ClockReading;
 use crate::link::command::Command;
+use crate::link::observed::ObservedSnapshot;
 use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 use crate::units::Micros;
@@ -43,7 +45,7 @@ pub struct HostThread<P, S> {
     from_network: Receiver<OrderProposal>,
     snapshots: triple_buffer::Input<Snapshot>,
     /// The snapshots of the network.
-    observed: triple_buffer::Input<Snapshot>,
+    observed: triple_buffer::Input<ObservedSnapshot>,
     schedule: TickSchedule,
     started: Instant,
     ticks: u64,
@@ -70,7 +72,8 @@ where
     let (urgent, from_urgent) = bounded(URGENT_QUEUE);
     let (proposals, from_network) = bounded(PROPOSAL_QUEUE);
     let (snapshots, newest) = TripleBuffer::new(host.snapshot()).split();
-    let (observed, observer) = TripleBuffer::new(host.snapshot()).split();
+    let first = ObservedSnapshot { snapshot: host.snapshot().clone(), taken: time_of_day() };
+    let (observed, observer) = TripleBuffer::new(&first).split();
     let (health, end) = (Arc::new(ThreadHealth::default()), ControlEnd::default());
     let (own_health, own_end) = (Arc::clone(&health), end.clone());
     let thread = std::thread::Builder::new().name("kt830-control".into()).spawn(move || {
@@ -218,7 +221,9 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
             [param::MTCONNECT_PORT, param::WEB_PORT, param::MQTT_ENABLED].iter().any(|of| params.get(*of) > 0.0);
         let period = if is_on { every } else { every * SNAPSHOTS_PER_SECOND / 2 };
         if self.ticks % period == every / 2 {
-            self.host.snapshot_into(self.observed.input_buffer_mut());
+            let observed = self.observed.input_buffer_mut();
+            self.host.snapshot_into(&mut observed.snapshot);
+            observed.taken = time_of_day();
             self.observed.publish();
         }
     }

@@ -2,8 +2,9 @@
 //! Source: ANSI/MTC1.4 (MTConnect 2.2), part 3.
 
 use super::data_item::Component;
-use super::snapshot::Snapshot;
+use super::snapshot::{AlarmView, Snapshot};
 use crate::defs::alarm::{self, Reaction};
+use crate::defs::text::Text;
 
 /// A group of alarms that the network knows as one condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +62,29 @@ impl Condition {
             Self::Coolant => ("c_coolant", Component::Coolant, "ACTUATOR"),
             Self::Lubrication => ("c_lubrication", Component::Lubrication, "ACTUATOR"),
         }
+    }
+
+    /// What it is, for people.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::System => Text::new("报警：系统", "alarms: system"),
+            Self::Communications => Text::new("报警：通讯", "alarms: communications"),
+            Self::Logic => Text::new("报警：联锁", "alarms: interlocks"),
+            Self::Motion => Text::new("报警：程序", "alarms: program"),
+            Self::Drives => Text::new("报警：驱动", "alarms: drives"),
+            Self::Spindle => Text::new("报警：主轴", "alarms: spindle"),
+            Self::Hydraulic => Text::new("报警：液压", "alarms: hydraulics"),
+            Self::Coolant => Text::new("报警：冷却", "alarms: coolant"),
+            Self::Lubrication => Text::new("报警：润滑", "alarms: lubrication"),
+        }
+    }
+
+    /// Its worst alarm: a fault stands before a warning.
+    #[must_use]
+    pub fn worst(self, snapshot: &Snapshot) -> Option<&AlarmView> {
+        let raised = snapshot.alarms.iter().filter(move |alarm| Self::of_alarm(alarm.number) == self);
+        raised.min_by_key(|alarm| level(alarm.number) != FAULT)
     }
 
     /// The condition of an alarm.

@@ -39,6 +39,8 @@ pub enum Component {
     Hydraulic,
     /// Lubrication.
     Lubrication,
+    /// The gauges on their arms.
+    Gauge,
     /// The guard.
     Door,
 }
@@ -49,6 +51,7 @@ impl Component {
     pub fn is_fitted(self, snapshot: &Snapshot) -> bool {
         match self {
             Self::Hydraulic => snapshot.fitted().has(Equipment::Hydraulics),
+            Self::Gauge => snapshot.fitted().has(Equipment::Gauges),
             Self::Door => snapshot.params.input_port(Input::GuardClosed) > 0,
             Self::Axis(axis) => snapshot.axes[axis].present,
             Self::Device
@@ -224,7 +227,32 @@ data_items! {
             last_part(snapshot).map_or(ItemValue::Unavailable, |part| part_status(part.verdict))
         };
         Path "part_size", MM, "LENGTH" "", "最后工件的尺寸", "size of the last part", |snapshot, _| {
-            last_part(snapshot).and_then(|part| part.size).map_or(ItemValue::Unavailable, ItemValue::Number)
+            number_of_part(snapshot, |part| part.size)
+        };
+        Path "part_nominal", MM, "LENGTH" "STANDARD", "最后工件的公称尺寸", "nominal size of the last part", |snapshot, _| {
+            number_of_part(snapshot, |part| part.limits.map(|[nominal, ..]| nominal))
+        };
+        Path "part_least", MM, "LENGTH" "MINIMUM", "最后工件的最小极限尺寸", "least size of the last part", |snapshot, _| {
+            number_of_part(snapshot, |part| part.limits.map(|[_, least, _]| least))
+        };
+        Path "part_greatest", MM, "LENGTH" "MAXIMUM", "最后工件的最大极限尺寸", "greatest size of the last part", |snapshot, _| {
+            number_of_part(snapshot, |part| part.limits.map(|[.., greatest]| greatest))
+        };
+        Path "part_time", SECONDS, "PROCESS_TIMER" "PROCESS", "最后工件的循环时间", "cycle time of the last part", |snapshot, _| {
+            number_of_part(snapshot, |part| Some(part.cycle_seconds))
+        };
+        Path "part_order", Category::Event, "PROCESS_AGGREGATE_ID" "ORDER_NUMBER", "最后工件的订单", "order of the last part", |snapshot, _| {
+            let order = last_part(snapshot).filter(|part| part.order > 0).map(|part| part.order.to_string());
+            order.map_or(ItemValue::Unavailable, ItemValue::Text)
+        };
+        Path "part_alarms", Category::Event, "VARIABLE" "", "最后工件期间的报警", "alarms until the last part", |snapshot, _| {
+            last_part(snapshot).map_or(ItemValue::Unavailable, |part| ItemValue::Text(listed(part.alarms.into_iter().filter(|number| *number > 0))))
+        };
+        Spindle "part_wheel", MM, "DIAMETER" "", "最后工件时的砂轮直径", "diameter of the wheel at the last part", |snapshot, _| {
+            number_of_part(snapshot, |part| part.wheel_mm)
+        };
+        Spindle "parts_since_dressing", Category::Event, "PART_COUNT" "COMPLETE", "修整后件数", "parts since the last dressing", |snapshot, _| {
+            if turns_the_part(snapshot) { ItemValue::Unavailable } else { ItemValue::Count(snapshot.params.get(param::PARTS_SINCE_DRESSING) as u64) }
         };
         Spindle "spindle_mode", Category::Event, "ROTARY_MODE" "", "主轴方式", "mode of the spindle", |_, _| ItemValue::Word("SPINDLE");
         Spindle "spindle_power", Category::Event, "POWER_STATE" "CONTROL", "主轴接通", "spindle switched on", |snapshot, _| {
@@ -242,6 +270,12 @@ data_items! {
         Coolant "coolant", Category::Event, "POWER_STATE" "CONTROL", "冷却", "coolant", |snapshot, _| power(snapshot, Output::Coolant);
         Hydraulic "hydraulic", Category::Event, "POWER_STATE" "CONTROL", "液压", "hydraulics", |snapshot, _| power(snapshot, Output::Hydraulic);
         Lubrication "lubrication", Category::Event, "POWER_STATE" "CONTROL", "润滑", "lubrication", |snapshot, _| power(snapshot, Output::Lubrication);
+        Gauge "gauge_radial", Category::Event, "ACTUATOR_STATE" "", "径向量仪伸出", "radial gauge", |snapshot, _| arm(snapshot, Output::RadialGauge);
+        Gauge "gauge_axial", Category::Event, "ACTUATOR_STATE" "", "轴向量仪伸出", "axial gauge", |snapshot, _| arm(snapshot, Output::AxialGauge);
+        Gauge "gauge_signals", Category::Event, "VARIABLE" "", "量仪信号", "signals of the gauges", |snapshot, _| {
+            let given = Input::GAUGES.iter().enumerate().filter(|(_, signal)| snapshot.inputs.has(**signal));
+            ItemValue::Text(listed(given.map(|(index, _)| format!("P{}", index + 1))))
+        };
         Door "guard", Category::Event, "DOOR_STATE" "", "防护门", "guard", |snapshot, _| {
             ItemValue::Word(if snapshot.inputs.has(Input::GuardClosed) { "CLOSED" } else { "OPEN" })
         };
@@ -339,6 +373,21 @@ const fn phase(phase: Option<GrindingPhase>) -> ItemValue {
         GrindingPhase::SparkOut => "SPARK_OUT",
         GrindingPhase::Retract => "RETRACT",
     })
+}
+
+/// The arm of a gauge is in the part.
+fn arm(snapshot: &Snapshot, output: Output) -> ItemValue {
+    ItemValue::Word(if snapshot.outputs.has(output) { "ACTIVE" } else { "INACTIVE" })
+}
+
+/// Words in a row; `NONE` for none: an agent takes an empty value for one that is not known.
+fn listed(words: impl Iterator<Item = impl Display>) -> String {
+    let words: Vec<String> = words.map(|word| word.to_string()).collect();
+    if words.is_empty() { "NONE".to_owned() } else { words.join(" ") }
+}
+
+fn number_of_part(snapshot: &Snapshot, read: fn(&PartRecord) -> Option<f64>) -> ItemValue {
+    last_part(snapshot).and_then(read).map_or(ItemValue::Unavailable, ItemValue::Number)
 }
 
 fn last_part(snapshot: &Snapshot) -> Option<&PartRecord> {

@@ -13,6 +13,7 @@ pub mod internal_signal;
 pub mod line_fault;
 pub mod media;
 pub mod network;
+pub mod observed;
 pub mod page_command;
 pub mod page_file;
 pub mod part_result;

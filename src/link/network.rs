@@ -77,6 +77,19 @@ pub struct BrokerView {
     pub connections: u64,
 }
 
+/// The OPC UA server, a process of its own that has reported itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct OpcUaView {
+    /// Where clients reach it; empty without a server.
+    pub address: String,
+    /// Clients that are connected.
+    pub clients: u32,
+    /// Certificates that were refused and that nobody has trusted.
+    pub untrusted: u32,
+    /// How its connections are encrypted.
+    pub tls: TlsView,
+}
+
 /// The network.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct NetworkView {
@@ -86,4 +99,6 @@ pub struct NetworkView {
     pub web: ServiceView,
     /// The broker.
     pub mqtt: BrokerView,
+    /// The OPC UA server.
+    pub opcua: OpcUaView,
 }

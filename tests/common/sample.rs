@@ -35,7 +35,7 @@ use kt830::link::cycle_times::CycleTimes;
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
-use kt830::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView, TlsView};
+use kt830::link::network::{BrokerState, BrokerView, NetworkView, OpcUaView, ServiceState, ServiceView, TlsView};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use kt830::link::part_result::{NominalSize, OffsetInForce, PartResult};
 use kt830::link::production::ProductionView;
@@ -541,7 +541,14 @@ fn network(state: ServiceState) -> NetworkView {
         lost: 12_345,
         connections: 3,
     };
-    NetworkView { mtconnect: service(7_878), web: service(8_083), mqtt }
+    let opcua = OpcUaView {
+        address: "opc.tcp://grinder12.hall-2.example:4840/".to_owned(),
+        clients: 12,
+        untrusted: 500,
+        tls: TlsView { valid_until: Some(DateTime(2_400_000_000)) },
+    };
+    let opcua = if is_listening { opcua } else { OpcUaView::default() };
+    NetworkView { mtconnect: service(7_878), web: service(8_083), mqtt, opcua }
 }
 
 /// Hydraulic pressure was lost.

@@ -7,7 +7,7 @@ use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, LocalizedText};
 use kt830::hmi::page_text;
 use kt830::link::Snapshot;
-use kt830::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView, TlsView};
+use kt830::link::network::{BrokerState, BrokerView, NetworkView, OpcUaView, ServiceState, ServiceView, TlsView};
 
 fn with(mtconnect: ServiceView) -> Snapshot {
     let mut snapshot = crate::sample::busy(Page::Network);
@@ -89,6 +89,26 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
     assert!(said(BrokerView { tls: None, ..broker.clone() }).contains("not encrypted"));
     let refused = said(BrokerView { refuses_topic: true, tls: None, ..broker });
     assert!(refused.contains("a topic (orders) is refused") && refused.contains("not encrypted"), "{refused}");
+}
+
+#[test]
+fn b6_the_network_page_shows_the_opc_ua_server_and_the_conditions() {
+    let mut snapshot = with(ServiceView::default());
+    let texts = page_text(&snapshot, Lang::En).join("\n");
+    assert!(texts.contains("OPC UA") && texts.contains("no server"), "{texts}");
+    let opcua = OpcUaView {
+        address: "opc.tcp://grinder12:4840/".to_owned(),
+        clients: 2,
+        untrusted: 7,
+        tls: TlsView { valid_until: DateTime::from_parts([2046, 2, 27, 12, 0, 0]) },
+    };
+    snapshot.network = Some(Arc::new(NetworkView { opcua, ..NetworkView::default() }));
+    let texts = page_text(&snapshot, Lang::En).join("\n");
+    for said in
+        ["opc.tcp://grinder12:4840/", "2 clients", "certificates that nobody has trusted", "TLS until 2046-02-27"]
+    {
+        assert!(texts.contains(said), "{said}: {texts}");
+    }
 }
 
 #[test]

@@ -21,7 +21,7 @@ if [[ -n "${KT830_PACKAGE_PROGRAM:-}" ]]; then
   export CARGO_TARGET_DIR="$work/target"
   install -D "$KT830_PACKAGE_PROGRAM" "$CARGO_TARGET_DIR/release/kt830"
 else
-  cargo build --locked --release
+  cargo build --locked --release --features opcua
 fi
 package() { cargo deb --no-build --quiet --no-strip --deb-version "$1" -o "$work/kt830_$1.deb" >/dev/null; }
 package 0.1.0-1
@@ -58,6 +58,8 @@ check "is installed" put 0.1.0-1
 check "has the rights of a real machine" sh -c "chroot '$root' getcap /usr/bin/kt830 | grep -q cap_net_raw"
 check "all libraries are there" sh -c "! chroot '$root' ldd /usr/bin/kt830 | grep 'not found'"
 check "the unit is right" within systemd-analyze verify /usr/lib/systemd/system/kt830-kiosk.service
+check "the unit of OPC UA is right" within systemd-analyze verify /usr/lib/systemd/system/kt830-opcua.service
+check "OPC UA is in it" sh -c "chroot '$root' kt830 opcua --help | grep -q add-user"
 check "the rules are right" sh -c "! chroot '$root' udevadm verify /usr/lib/udev/rules.d/70-kt830.rules | grep -i fail"
 check "the desktop entry is right" within desktop-file-validate /usr/share/applications/kt830.desktop
 check "the icon is there" test -s "$root/usr/share/icons/hicolor/256x256/apps/kt830.png"

@@ -11,14 +11,19 @@ import datetime
 import logging
 import os
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+from random import Random
 
 from asyncua import Client, ua
 from asyncua.crypto.cert_gen import setup_self_signed_certificate
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
 program, seconds = sys.argv[1], float(sys.argv[2])
@@ -46,71 +51,14 @@ wait 1 s
 key reset
 wait 1 s
 """
-# An alarm of each condition, raised and repaired.
-ALARMS = """kind gc
-param P333 51
-param P334 52
-wait 1 s
-key hydraulic
-wait 4 s
-home all
-mode auto
-load O3001
-key cycle-start
-wait 0.5 s
-key reset
-load O3002
-key cycle-start
-wait 0.5 s
-key reset
-load O3003
-key cycle-start
-wait 0.5 s
-key reset
-fault drive-x
-wait 0.5 s
-fault drive-x off
-key reset
-home all
-mode auto
-load O3004
-key cycle-start
-wait 1 s
-fault coolant-missing
-wait 4 s
-fault coolant-missing off
-key reset
-fault lubrication-missing
-wait 6 s
-fault lubrication-missing off
-wait 0.5 s
-key reset
-fault pressure-loss
-wait 2 s
-fault pressure-loss off
-wait 3 s
-key reset
-fault bus-silent 50
-wait 1 s
-key reset
-input emergency-stop on
-wait 0.5 s
-input emergency-stop off
-wait 0.5 s
-key reset
-wait 1 s
-"""
-PROGRAMS = {"O3001": "M98 P9999", "O3002": "G10 P1 X9999", "O3003": "#5801=99999", "O3004": "M08\nG04 X60"}
+# A part of known size at a known place, then an alarm of each condition, raised and repaired.
+WHOLE = ["tests/shop/whole.story", "--programs", "tests/shop/programs"]
 CONDITIONS = {
     "system", "communications", "logic", "motion", "drives", "spindle", "hydraulic", "coolant", "lubrication"
 }
 logging.disable(logging.WARNING)
 work = Path(tempfile.mkdtemp())
 (work / "story").write_text(STORY)
-(work / "alarms").write_text(ALARMS)
-(work / "programs").mkdir()
-for name, text in PROGRAMS.items():
-    (work / "programs" / f"{name}.NC").write_text(text + "\nM30\n")
 data = ["--data", str(work / "data")]
 faults = []
 
@@ -125,19 +73,20 @@ def kt830(*words, text=None):
     return subprocess.run([program, *words], input=text, text=True, capture_output=True)
 
 
-def start_control(story="story", more=()):
-    words = ["serve", str(work / story), *more, "--param", f"P480={ADAPTER}", "--param", "P482=123", "--param", "P485=1", *data]
+def start_control(story):
+    words = ["serve", *story, "--param", f"P480={ADAPTER}", "--param", "P482=123", "--param", "P485=1", *data]
     return subprocess.Popen([program, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 async def client_of(user="planner", secret="correct horse", key="client"):
     client = Client(URL, timeout=5)
     client.application_uri = "urn:test:kt830:client"
-    await setup_self_signed_certificate(
-        work / f"{key}.pem", work / f"{key}.der", client.application_uri, "test",
-        [ExtendedKeyUsageOID.CLIENT_AUTH], {"commonName": key},
-    )
-    await client.set_security_string(f"Basic256Sha256,SignAndEncrypt,{work}/{key}.der,{work}/{key}.pem")
+    if key:
+        await setup_self_signed_certificate(
+            work / f"{key}.pem", work / f"{key}.der", client.application_uri, "test",
+            [ExtendedKeyUsageOID.CLIENT_AUTH], {"commonName": key},
+        )
+        await client.set_security_string(f"Basic256Sha256,SignAndEncrypt,{work}/{key}.der,{work}/{key}.pem")
     if user:
         client.set_user(user)
         client.set_password(secret)
@@ -236,6 +185,19 @@ async def look(machine, number):
     check(len(await items.get_children()) > 35, "data items")
 
 
+def values_are_true(listener):
+    """What the story has made is what was told: a part of 39.9985 mm, 40 0/-0.005, with X at -61.5 and Z at -20."""
+    told = {name.rsplit("/", 1)[-1]: values for name, values in listener.values.items() if "/DataItems/" in name}
+    near = lambda name, true, tolerance: any(value is not None and abs(value - true) <= tolerance for value in told[name])
+    for name, true, tolerance in (
+        ("x_work", -61.5, 0.002), ("z_work", -20.0, 0.002), ("part_size", 39.9985, 0.0), ("part_nominal", 40.0, 0.0),
+        ("part_least", 39.995, 0.0), ("part_greatest", 40.0, 0.0), ("part_wheel", 600.0, 0.0),
+    ):
+        check(near(name, true, tolerance), f"{name} {true}: {told[name][-5:]}")
+    check("PASS" in told["part_status"], f"verdict {told['part_status']}")
+    check("O3005" in told["program"], f"programs {told['program']}")
+
+
 async def read_job(plan, number):
     job = await plan.get_child([f"{number['own']}:701", f"{number['own']}:OrderState"])
     return await job.read_value()
@@ -298,12 +260,117 @@ async def orders(client, machine, number):
         check(why == "BadUserAccessDenied", f"a viewer proposes nothing: {why}")
 
 
+def memory_of(process):
+    """Resident memory, MB."""
+    lines = Path(f"/proc/{process.pid}/status").read_text().splitlines()
+    return int(next(line.split()[1] for line in lines if line.startswith("VmRSS"))) // 1024
+
+
+async def conformance(client, machine, number):
+    """Every node of the machine has the children that its type calls mandatory."""
+    missing, seen, typed = [], set(), 0
+    name_of = lambda name: (name.NamespaceIndex, name.Name)
+
+    async def mandatory(kind):
+        """Names of the mandatory children of a type and of those that it derives from."""
+        names = set()
+        while kind is not None:
+            for child in await kind.get_children():
+                rules = await child.get_referenced_nodes(ua.ObjectIds.HasModellingRule)
+                if any(rule.nodeid == ua.NodeId(ua.ObjectIds.ModellingRule_Mandatory) for rule in rules):
+                    names.add(name_of(await child.read_browse_name()))
+            above = await kind.get_referenced_nodes(ua.ObjectIds.HasSubtype, ua.BrowseDirection.Inverse)
+            kind = above[0] if above else None
+        return names
+
+    async def walk(node, path):
+        nonlocal typed
+        if node.nodeid in seen:
+            return
+        seen.add(node.nodeid)
+        kinds = await node.get_referenced_nodes(ua.ObjectIds.HasTypeDefinition)
+        children = await node.get_children()
+        names = {name_of(await child.read_browse_name()) for child in children}
+        for kind in kinds:
+            typed += kind.nodeid.NamespaceIndex in (number["di"], number["machinery"], number["tool"])
+            missing.extend(f"{path}/{name}" for _, name in await mandatory(kind) - names)
+        for child in children:
+            await walk(child, f"{path}/{(await child.read_browse_name()).Name}")
+
+    await walk(machine, "")
+    check(typed > 15, f"{typed} nodes of types of the specifications")
+    check(not missing, f"mandatory children; missing {missing}")
+
+
+async def expired():
+    """A trusted client whose certificate has ended is refused."""
+    client = await client_of(key="expired")
+    key = serialization.load_pem_private_key((work / "expired.pem").read_bytes(), None)
+    own = x509.load_der_x509_certificate((work / "expired.der").read_bytes())
+    now = datetime.datetime.now(datetime.timezone.utc)
+    made = x509.CertificateBuilder(
+        own.issuer, own.subject, own.public_key(), x509.random_serial_number(), now - datetime.timedelta(days=30),
+        now - datetime.timedelta(days=1), list(own.extensions))
+    (work / "expired.der").write_bytes(made.sign(key, hashes.SHA256()).public_bytes(serialization.Encoding.DER))
+    check(kt830("opcua", "trust", str(work / "expired.der"), *data).returncode == 0, "a certificate that has ended is trusted")
+    client = await client_of(key=None)
+    await client.set_security_string(f"Basic256Sha256,SignAndEncrypt,{work}/expired.der,{work}/expired.pem")
+    why = await refused(client)
+    check(why == "BadCertificateTimeInvalid", f"but not let in: {why}")
+
+
+async def guesses():
+    """A wrong password costs a second."""
+    begun = time.monotonic()
+    for number in range(5):
+        await refused(await client_of(secret=f"guess {number}"))
+    took = time.monotonic() - begun
+    check(took >= 5, f"five guesses take {took:.1f} s")
+
+
+async def garbage(server, listener):
+    """Malformed packets at the port: values go on, memory is bounded."""
+    random, sent, before, count = Random(830), 0, memory_of(server), len(listener.delays)
+    hello = struct.pack("<5I", 0, 65536, 65536, 0, 0) + struct.pack("<I", len(URL)) + URL.encode()
+    hello = b"HELF" + struct.pack("<I", 8 + len(hello)) + hello
+    begun = time.monotonic()
+    while time.monotonic() < begun + 10:
+        try:
+            with socket.create_connection(("127.0.0.1", PORT), timeout=1) as stream:
+                kind = sent % 4
+                if kind > 0:
+                    stream.sendall(hello)
+                head = [b"", b"OPNF", b"MSGF", b"CLOF"][kind]
+                size = [b"", struct.pack("<I", random.choice([0, 7, 100, 65_000, 2**32 - 1]))][kind > 0]
+                stream.sendall(head + size + random.randbytes(random.randint(1, 60_000)))
+        except OSError:
+            pass
+        sent += 1
+        await asyncio.sleep(0)
+    check(sent > 200, f"{sent} malformed packets")
+    check(server.poll() is None and memory_of(server) < before + 40, f"memory {before} MB, then {memory_of(server)} MB")
+    check(await wait_until(lambda: len(listener.delays) > count), "values go on")
+    check(await refused(await client_of()) == "", "a client is let in after them")
+
+
+async def flood_of_subscriptions(server):
+    """Ten thousand subscriptions of one client: ten are made, the others refused, and memory is bounded."""
+    before, made, refusals = memory_of(server), 0, set()
+    async with await client_of() as client:
+        for _ in range(10_000):
+            try:
+                await client.create_subscription(1000, Listener())
+                made += 1
+            except ua.UaStatusCodeError as error:
+                refusals.add(type(error).__name__)
+        await client.nodes.server_state.read_value()
+    check(made <= 10 and refusals == {"BadTooManySubscriptions"}, f"{made} of 10000 made, others {refusals}")
+    check(memory_of(server) < before + 20, f"memory {before} MB, then {memory_of(server)} MB")
+
+
 async def many_subscriptions(server):
     """The library keeps what was subscribed to: the server begins anew before it is too much."""
-    def memory():
-        lines = Path(f"/proc/{server.pid}/status").read_text().splitlines()
-        return int(next(line.split()[1] for line in lines if line.startswith("VmRSS"))) // 1024
-
+    memory = lambda: memory_of(server)
     # The first round is for what is loaded once.
     before, rounds = 0, 0
     for _ in range(4):
@@ -325,7 +392,7 @@ async def many_subscriptions(server):
 
 
 async def main():
-    control = start_control()
+    control = start_control([str(work / "story")])
     added = kt830("opcua", "add-user", "--orders", "planner", *data, text="correct horse\n")
     check(added.returncode == 0, "a user is added")
     kt830("opcua", "add-user", "viewer", *data, text="correct horse\n")
@@ -385,11 +452,12 @@ async def main():
             check(any(event.Severity >= 334 for event in plain), f"{len(plain)} events of the machine")
             delays = sorted(listener.delays[len(nodes):])
             at = lambda share: delays[min(len(delays) - 1, int(len(delays) * share))]
-            print(f"values {len(delays)}, delay 50 % {at(0.5):.0f} ms, 99 % {at(0.99):.0f} ms, longest {delays[-1]:.0f} ms")
+            print(f"values {len(delays)}, from the tick to the client 50 % {at(0.5):.0f} ms, 99 % {at(0.99):.0f} ms, longest {delays[-1]:.0f} ms")
             check(at(0.5) < 400 and at(0.99) < 2000, "values in time")
             why = await denied(override.write_value(ua.Variant(50.0, ua.VariantType.Double)))
             check(why in ("BadNotWritable", "BadUserAccessDenied", "BadServiceUnsupported"), f"nothing is written: {why}")
             await orders(client, machine, number)
+            await conformance(client, machine, number)
             call = client.nodes.server.call_method("0:GetMonitoredItems", ua.Variant(1, ua.VariantType.UInt32))
             why = await denied(call)
             check(why == "BadUserAccessDenied", f"nothing is called: {why}")
@@ -397,7 +465,7 @@ async def main():
             control.send_signal(signal.SIGKILL)
             control.wait()
             check(await wait_until(lambda: any(name.endswith("/execution") for name in listener.bad)), "a control that ends")
-            control = start_control("alarms", ["--programs", str(work / "programs")])
+            control = start_control(WHOLE)
             count = len(listener.delays)
             check(await wait_until(lambda: len(listener.delays) > count + 20), "a control that comes back")
             plan = await machine.get_child([f"{number['tool']}:Production", f"{number['tool']}:ProductionPlan"])
@@ -419,11 +487,16 @@ async def main():
             check(told(False) >= CONDITIONS, f"and go; missing {sorted(CONDITIONS - told(False))}")
             states = [getattr(event, "ActiveState/Id", None) for event in listener.events if getattr(event, "ErrorCode", None)]
             check(states.count(True) - states.count(False) in (0, 1), f"as many alarms come as go: {states}")
+            values_are_true(listener)
+            await expired()
+            await guesses()
+            await garbage(server, listener)
             check(kt830("opcua", "remove-user", "planner", *data).returncode == 0, "a user is removed")
             await asyncio.sleep(4)
             why = await denied(override.read_value())
             check(why != "", f"a user that was removed reads no more: {why}")
             kt830("opcua", "add-user", "planner", *data, text="correct horse\n")
+        await flood_of_subscriptions(server)
         await many_subscriptions(server)
         check(server.poll() is None, "the server runs")
     finally:

@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 if [[ ! -f "${KT830_MTCONNECT_SCHEMA:-}/MTConnectDevices_2.2.xsd" ]]; then
   echo "tests/shop: KT830_MTCONNECT_SCHEMA does not name a folder with the schema of MTConnect; NOTHING was tested"
-  exit 0
+  exit 1
 fi
 [[ -n "${KT830_PROGRAM:-}" ]] || cargo build --locked --quiet --bin kt830
 program=${KT830_PROGRAM:-target/debug/kt830}
@@ -17,6 +17,6 @@ trap '[[ -z "$served" ]] || kill "$served" 2>/dev/null || true; rm -rf "$work"' 
 for kind in gc gs ga vertical lathe; do
   "$program" device-model --kind "$kind" --data "$work/data-$kind" --param P482=123 > "$work/$kind.xml"
 done
-"$program" serve assets/stories/first_part.story --param P480="$port" --param P482=123 --seconds 130 2> "$work/serve.log" &
+"$program" serve tests/shop/whole.story --programs tests/shop/programs --param P480="$port" --param P482=123 --seconds 130 2> "$work/serve.log" &
 served=$!
 python3 tests/shop/validate.py "$KT830_MTCONNECT_SCHEMA" "$work" "$port" 115

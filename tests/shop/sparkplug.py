@@ -1,9 +1,11 @@
 """A fleet of controls against a broker and a decoder that were not written here: every control is born, its messages are
-numbered without a gap, alarms are raised and cleared, and every finished part arrives, also over restarts of the broker.
+numbered without a gap, every finished part arrives once, also over restarts of the broker; alarms of every condition and
+values are those of a story; an order goes through a broker in TLS and comes back as a part; two controls of one number do no
+harm.
 
 sparkplug.py PROGRAM MACHINES SECONDS RESTARTS
 
-Needs mosquitto, and Python with pysparkplug, which brings paho-mqtt 1.6.
+Needs mosquitto, openssl, and Python with pysparkplug, which brings paho-mqtt 1.6.
 """
 
 import json
@@ -24,11 +26,43 @@ import pysparkplug
 
 program, machines, seconds, restarts = sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
 PORT = int(os.environ.get("KT830_MQTT_PORT", "18831"))
+TLS_PORT = PORT + 1
 GROUP = "hall 2"
+CONDITIONS = {
+    "c_system", "c_communications", "c_logic", "c_motion", "c_drives", "c_spindle", "c_hydraulic", "c_coolant", "c_lubrication"
+}
 work = Path(tempfile.mkdtemp())
+faults = []
+
+
+def check(holds, what):
+    print(("ok    " if holds else "FAIL  ") + what, flush=True)
+    if not holds:
+        faults.append(what)
+
+
+def openssl(*words):
+    subprocess.run(["openssl", *map(str, words)], check=True, capture_output=True)
+
+
+def make_certificates():
+    """An authority, and certificates of it for the broker and for a machine."""
+    openssl("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", work / "ca.key", "-out", work / "ca.pem",
+            "-days", 2, "-subj", "/CN=shop", "-addext", "basicConstraints=critical,CA:TRUE")
+    for name in ("broker", "machine"):
+        openssl("req", "-newkey", "rsa:2048", "-nodes", "-keyout", work / f"{name}.key", "-out", work / f"{name}.csr",
+                "-subj", f"/CN={name}")
+        (work / "names").write_text("subjectAltName=DNS:localhost\n")
+        openssl("x509", "-req", "-in", work / f"{name}.csr", "-CA", work / "ca.pem", "-CAkey", work / "ca.key", "-days", 2,
+                "-extfile", work / "names", "-out", work / f"{name}.pem")
+
+
+make_certificates()
 (work / "mosquitto.conf").write_text(
-    f"listener {PORT} 127.0.0.1\nallow_anonymous true\npersistence true\npersistence_location {work}/\n"
-    "autosave_interval 1\nmax_queued_messages 0\nuser root\n"
+    f"per_listener_settings false\nlistener {PORT} 127.0.0.1\nallow_anonymous true\npersistence true\n"
+    f"persistence_location {work}/\nautosave_interval 1\nmax_queued_messages 0\nuser root\n"
+    f"listener {TLS_PORT} 127.0.0.1\ncafile {work}/ca.pem\ncertfile {work}/broker.pem\nkeyfile {work}/broker.key\n"
+    "require_certificate true\n"
 )
 
 
@@ -42,10 +76,11 @@ class Listener:
 
     def __init__(self):
         self.lock = threading.Lock()
-        self.births, self.sequence, self.gaps, self.unsure = {}, {}, [], set()
+        self.births, self.born, self.sequence, self.gaps, self.unsure = {}, defaultdict(int), {}, [], set()
         self.deaths, self.historical, self.bytes, self.messages = 0, 0, 0, 0
-        self.raised, self.cleared = set(), set()
-        self.parts = defaultdict(list)
+        self.raised, self.cleared, self.values = defaultdict(set), defaultdict(set), defaultdict(list)
+        self.parts, self.results = defaultdict(list), []
+        self.answers, self.orders = [], {}
         self.delays = []
         self.faults = []
         # Each part is remembered by the broker for this client, however often either is restarted.
@@ -70,13 +105,24 @@ class Listener:
             self.bytes += len(message.payload) + len(message.topic)
             try:
                 if message.topic.startswith("kt830/"):
-                    told = json.loads(message.payload)
-                    self.parts[told["machine"]].append(told["part"])
+                    self.own(message)
                 else:
                     self.sparkplug(message, now)
             # Whatever is wrong is a fault of the control.
             except Exception as fault:
                 self.faults.append(f"{message.topic}: {fault!r}")
+
+    def own(self, message):
+        _, _, node, topic = message.topic.split("/", 3)
+        told = json.loads(message.payload) if message.payload else None
+        if topic == "part":
+            assert told["machine"] == node, told
+            self.parts[node].append(told["part"])
+            self.results.append(told)
+        elif topic == "order/answer":
+            self.answers.append(told)
+        elif topic == "orders":
+            self.orders[node] = told
 
     def sparkplug(self, message, now):
         _, group, kind, node = message.topic.split("/")
@@ -85,16 +131,15 @@ class Listener:
             birth = pysparkplug.NBirth.decode(message.payload)
             assert birth.seq == 0, birth.seq
             self.births[node], self.sequence[node] = birth, 0
+            self.born[node] += 1
             self.unsure.discard(node)
+            self.take(node, birth.metrics)
         elif kind == "NDATA" and node in self.births:
             data = pysparkplug.NData.decode(message.payload, birth=self.births[node])
             if node in self.sequence and data.seq != (self.sequence[node] + 1) % 256:
                 self.gaps.append((node, self.sequence[node], data.seq))
             self.sequence[node] = data.seq
-            for metric in data.metrics:
-                self.historical += bool(metric.is_historical)
-                if metric.name.startswith("c_") and not metric.name.endswith(("_number", "_text")):
-                    (self.cleared if metric.value == "NORMAL" else self.raised).add(metric.name)
+            self.take(node, data.metrics)
             if not any(metric.is_historical for metric in data.metrics):
                 self.delays.append(1000 * now - data.timestamp)
         elif kind == "NDEATH":
@@ -104,65 +149,158 @@ class Listener:
             assert node in self.unsure or (born - death.bd_seq_metric.value) % 256 <= 1, (node, born, death)
             self.deaths += 1
 
+    def take(self, node, metrics):
+        for metric in metrics:
+            self.historical += bool(metric.is_historical)
+            self.values[node, metric.name].append(metric.value)
+            if metric.name in CONDITIONS:
+                (self.cleared if metric.value == "NORMAL" else self.raised)[node].add(metric.name)
 
-def failed(words):
-    print(f"  FAILED: {words}")
-    sys.exit(1)
+    def wait(self, holds, longest):
+        end = time.monotonic() + longest
+        while time.monotonic() < end:
+            with self.lock:
+                if holds():
+                    return True
+            time.sleep(0.1)
+        return False
+
+
+def fleet(*words):
+    command = [program, "fleet", *map(str, words), "--broker", f"127.0.0.1:{PORT}", "--group", GROUP]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+
+
+def serve(data, number, *words):
+    """A control of its own, with a broker in TLS that asks for the certificate of the machine."""
+    data.mkdir(exist_ok=True)
+    for name in ("ca.pem", "machine.pem", "machine.key"):
+        (data / name).write_bytes((work / name).read_bytes())
+    tls = 'Some((ca: "ca.pem", machine: Some(("machine.pem", "machine.key"))))'
+    (data / "mqtt.ron").write_text(f'(broker: "localhost:{TLS_PORT}", group: "{GROUP}", tls: {tls})')
+    params = ["--param", f"P482={number}", "--param", "P484=1", "--param", "P485=1"]
+    log = (data / "said").open("w")
+    return subprocess.Popen([program, "serve", *map(str, words), "--data", data, *params], stdout=log, stderr=log)
+
+
+def scale():
+    """Many machines, and a broker that is restarted: killed the first time, ended in good order the next ones."""
+    global broker
+    control = fleet("assets/stories/first_part.story", "--machines", machines, "--for", seconds)
+    memory, begun = 0, time.monotonic()
+    for restart in range(restarts):
+        time.sleep(max(0, begun + seconds * (restart + 1) / (restarts + 1) - time.monotonic()))
+        broker.send_signal(signal.SIGTERM if restart else signal.SIGKILL)
+        broker.wait()
+        time.sleep(5)
+        broker = start_broker()
+    while control.poll() is None:
+        try:
+            status = Path(f"/proc/{control.pid}/status").read_text()
+            memory = max(memory, int(re.search(r"VmRSS:\s+(\d+)", status).group(1)))
+        except (OSError, AttributeError):
+            pass
+        time.sleep(1)
+    told = dict(line.rsplit(": ", 1) for line in control.stdout.read().splitlines())
+    time.sleep(3)
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    check(control.returncode == 0, f"the fleet: {told}")
+    check(len(listener.births) == machines, f"{len(listener.births)} of {machines} machines were born")
+    check(not listener.gaps, f"no message is missing: {listener.gaps[:5]}")
+    for machine, parts in listener.parts.items():
+        if sorted(set(parts)) != list(range(1, max(parts) + 1)):
+            check(False, f"{machine}: parts {parts}")
+    unique = sum(len(set(parts)) for parts in listener.parts.values())
+    repeated = sum(len(parts) for parts in listener.parts.values()) - unique
+    check(unique == int(told["parts"]), f"{unique} of {told['parts']} parts")
+    check(repeated == 0, f"{repeated} parts were told twice")
+    check(all(told["wheel_mm"] and told["cycle_s"] > 0 for told in listener.results), "each with its wheel and its time")
+    delays = sorted(listener.delays)
+    at = lambda share: round(delays[int(share * (len(delays) - 1))], 1)
+    print(f"  {machines} machines, {seconds} s, broker restarted {restarts} times; {listener.deaths} deaths, "
+          f"{listener.historical} changes told later")
+    print(f"  {listener.messages} messages, {listener.bytes} bytes; from the tick to the client 50 % {at(0.5)} ms, "
+          f"99 % {at(0.99)} ms, longest {delays[-1]:.1f} ms")
+    print(f"  per machine: {1000 * (used.ru_utime + used.ru_stime) / machines / seconds / 10:.2f} % of a core (without the "
+          f"last run of the broker), {memory / machines:.0f} kB")
+
+
+def whole():
+    """The values and alarms of a story, as an application sees them."""
+    node = "kt830-gc-000001"
+    listener.values.clear(), listener.raised.clear(), listener.cleared.clear(), listener.results.clear()
+    control = fleet("tests/shop/whole.story", "--programs", "tests/shop/programs", "--machines", 1, "--for", 90)
+    control.wait()
+    time.sleep(1)
+    for condition in sorted(CONDITIONS):
+        check(condition in listener.raised[node] and condition in listener.cleared[node], f"{condition} comes and goes")
+    for name, true, tolerance in (
+        ("x_work", -61.5, 0.002), ("z_work", -20.0, 0.002), ("part_size", 39.9985, 1e-9), ("part_nominal", 40.0, 1e-9),
+        ("part_least", 39.995, 1e-9), ("part_greatest", 40.0, 1e-9),
+    ):
+        told = [value for value in listener.values[node, name] if value is not None]
+        check(any(abs(value - true) <= tolerance for value in told), f"{name} {true}: {told[-3:]}")
+    result = next((told for told in listener.results if told["machine"] == node), {})
+    found = [result.get(name) for name in ("size_mm", "nominal_mm", "min_mm", "max_mm", "verdict", "is_bad", "wheel_mm")]
+    check(found == [39.9985, 40.0, 39.995, 40.0, "ok", False, 600.0], f"result {found}")
+
+
+def order():
+    """From the order to the part: proposed over TLS, accepted, its size taken over, ground."""
+    node = "kt830-gc-000900"
+    topic = f"kt830/{GROUP}/{node}/order"
+    control = serve(work / "order", 900, "tests/shop/order.story")
+    check(listener.wait(lambda: node in listener.births, 20), "a machine in TLS with its own certificate")
+    send = lambda text, retain=False: listener.client.publish(topic, text, qos=1, retain=retain)
+    proposed = {"order": 701, "program": 1002, "parts": 1, "values": {"#521": 39.95}}
+    send(json.dumps(proposed))
+    check(listener.wait(lambda: [a for a in listener.answers if a.get("order") == 701], 10), f"an answer {listener.answers}")
+    check(listener.answers[-1].get("state") == "proposed" or listener.answers[-1].get("proposed"), f"{listener.answers[-1]}")
+    time.sleep(1.2)
+    before = len(listener.answers)
+    send(json.dumps({"order": 702, "program": 1002, "parts": 1}), retain=True)
+    check(listener.wait(lambda: len(listener.answers) > before, 10), "an order that the broker keeps is answered")
+    check("why" in listener.answers[-1], f"and refused: {listener.answers[-1]}")
+    send("", retain=True)
+    result = lambda: [told for told in listener.results if told["machine"] == node]
+    check(listener.wait(result, 180), "the part arrives")
+    told = (result() or [{}])[-1]
+    check(told.get("order") == 701 and told.get("nominal_mm") == 39.95, f"of its order, to its size: {told}")
+    closed = lambda: [o for o in listener.orders.get(node) or [] if o["order"] == 701 and o["good"] + o["bad"] == 1]
+    check(listener.wait(closed, 20), f"the list of orders counts it: {listener.orders.get(node)}")
+    control.kill()
+    # The lost connection is told by the broker.
+    control.wait()
+
+
+def twins():
+    """Two controls of one number: the broker ends one after the other, neither fails, and neither fills the broker."""
+    node = "kt830-gc-000901"
+    controls = [serve(work / f"twin {at}", 901) for at in range(2)]
+    begun = time.monotonic()
+    time.sleep(60)
+    born = listener.born[node]
+    check(all(control.poll() is None for control in controls), "both go on")
+    check(4 <= born <= 60, f"born {born} times in {time.monotonic() - begun:.0f} s")
+    controls[0].kill()
+    born = listener.born[node]
+    time.sleep(35)
+    check(listener.born[node] - born <= 1, f"alone it stays: born {listener.born[node] - born} times more")
+    controls[1].kill()
+    [control.wait() for control in controls]
 
 
 broker = start_broker()
 time.sleep(1)
 listener = Listener()
-fleet = subprocess.Popen(
-    [program, "fleet", "assets/stories/first_part.story", "--broker", f"127.0.0.1:{PORT}", "--group", GROUP]
-    + ["--machines", str(machines), "--seconds", str(seconds)],
-    stdout=subprocess.PIPE,
-    text=True,
-)
-memory = 0
-begun = time.monotonic()
-for restart in range(restarts):
-    time.sleep(max(0, begun + seconds * (restart + 1) / (restarts + 1) - time.monotonic()))
-    broker.send_signal(signal.SIGTERM)
-    broker.wait()
-    time.sleep(5)
-    broker = start_broker()
-while fleet.poll() is None:
-    try:
-        memory = int(re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{fleet.pid}/status").read_text()).group(1))
-    except (OSError, AttributeError):
-        pass
-    time.sleep(1)
-told = dict(line.rsplit(": ", 1) for line in fleet.stdout.read().splitlines())
-time.sleep(3)
-listener.client.disconnect()
-listener.client.loop_stop()
-broker.terminate()
-
-used = resource.getrusage(resource.RUSAGE_CHILDREN)
-if fleet.returncode:
-    failed(f"the fleet ended with {fleet.returncode}: {told}")
-if len(listener.births) != machines:
-    failed(f"{len(listener.births)} of {machines} machines were born")
-if listener.faults:
-    failed(f"{len(listener.faults)} messages: {listener.faults[:3]}")
-if listener.gaps:
-    failed(f"messages are missing: {listener.gaps[:5]}")
-for machine, parts in listener.parts.items():
-    if sorted(set(parts)) != list(range(1, max(parts) + 1)):
-        failed(f"{machine}: parts {parts}")
-unique = sum(len(set(parts)) for parts in listener.parts.values())
-repeated = sum(len(parts) for parts in listener.parts.values()) - unique
-if unique != int(told["parts"]):
-    failed(f"{unique} of {told['parts']} parts")
-if listener.raised - listener.cleared or "c_drives" not in listener.raised:
-    failed(f"raised {listener.raised}, cleared {listener.cleared}")
-delays = sorted(listener.delays)
-at = lambda share: round(delays[int(share * (len(delays) - 1))], 1)
-print(f"  {machines} machines, {seconds} s, broker restarted {restarts} times: {told}")
-print(f"  {unique} parts, none missing, {repeated} told twice (same number); {listener.deaths} deaths, "
-      f"{listener.historical} changes told later; conditions raised and cleared: {sorted(listener.raised)}")
-print(f"  {listener.messages} messages, {listener.bytes} bytes; delay of data: 50 % {at(0.5)} ms, 99 % {at(0.99)} ms, "
-      f"longest {delays[-1]:.1f} ms")
-print(f"  per machine: {1000 * (used.ru_utime + used.ru_stime) / machines / seconds / 10:.2f} % of a core (broker "
-      f"included), {memory / machines:.0f} kB")
+try:
+    for run in (scale, whole, order, twins):
+        print(run.__name__, flush=True)
+        run()
+    check(not listener.faults, f"{len(listener.faults)} wrong messages: {listener.faults[:3]}")
+finally:
+    listener.client.disconnect()
+    listener.client.loop_stop()
+    broker.terminate()
+print(f"{len(faults)} faults")
+sys.exit(1 if faults else 0)

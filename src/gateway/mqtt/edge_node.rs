@@ -12,7 +12,7 @@ use srad_types::topic::{NodeMessage, node_topic};
 
 use crate::defs::text::LocalizedText;
 use crate::gateway::device_model::device_uuid;
-use crate::link::condition::{Condition, FAULT, level};
+use crate::link::condition::{Condition, level};
 use crate::link::data_item::{Category, DataItem, ItemValue, data_items};
 use crate::link::snapshot::Snapshot;
 
@@ -401,9 +401,7 @@ fn metrics_of(snapshot: &Snapshot) -> Vec<NodeMetric> {
         NodeMetric { source: MetricSource::Item(item), value }
     };
     let conditions = Condition::of_machine(snapshot).flat_map(|condition| {
-        let raised = snapshot.alarms.iter().filter(move |alarm| Condition::of_alarm(alarm.number) == condition);
-        // A fault stands before a warning.
-        let worst = raised.min_by_key(|alarm| level(alarm.number) != FAULT);
+        let worst = condition.worst(snapshot);
         of_condition(condition, worst.map(|alarm| (alarm.number, &alarm.text)))
     });
     data_items(snapshot).map(of_item).chain(conditions).collect()

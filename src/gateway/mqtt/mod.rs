@@ -137,6 +137,7 @@ impl MqttClient {
         }
         match std::mem::replace(&mut self.phase, Phase::Waiting) {
             Phase::Waiting if now < self.retry_at => {}
+            Phase::Waiting if snapshot.params.get(param::MACHINE_NUMBER) < 1.0 => self.failure = Some(no_number()),
             Phase::Waiting => self.dial(now),
             Phase::Dialing(dialed) => self.join(now, time, snapshot, dialed),
             Phase::Joining(link) => self.wait_for_acceptance(now, snapshot, link),
@@ -336,6 +337,11 @@ impl MqttClient {
             None => {}
         }
     }
+}
+
+/// Two machines of the factory's number would be one for the broker, and the parts of both one list.
+fn no_number() -> LocalizedText {
+    Text::new("机床编号 P482 为 0：每台机床要有自己的编号", "P482 is 0: each machine needs a number of its own").into()
 }
 
 /// Reads the settings anew and connects.

@@ -56,6 +56,14 @@ impl AdapterClient {
         self.stream.write_all(format!("* ORDER {order}\n").as_bytes())
     }
 
+    /// Says how the server does, a line.
+    ///
+    /// # Errors
+    /// The connection has ended.
+    pub fn report(&mut self, line: &str) -> std::io::Result<()> {
+        self.stream.write_all(line.as_bytes())
+    }
+
     /// The whole lines that have come, waiting a moment for them.
     ///
     /// # Errors

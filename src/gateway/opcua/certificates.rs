@@ -5,7 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use opcua::crypto::{CertificateStore, X509, X509Data};
+use rustls::pki_types::CertificateDer;
 
+use crate::gateway::certificate_end::certificate_end;
 use crate::store::{write_atomic, write_private};
 
 /// Its own certificate, in the folder of the server.
@@ -78,6 +80,19 @@ pub struct ClientCertificate {
 #[must_use]
 pub fn rejected(folder: &Path) -> Vec<ClientCertificate> {
     certificates(&folder.join(REJECTED))
+}
+
+/// How many certificates of clients were refused.
+#[must_use]
+pub fn rejected_count(folder: &Path) -> usize {
+    fs::read_dir(folder.join(REJECTED)).into_iter().flatten().count()
+}
+
+/// When the server's own certificate ends, s since 1970, UTC; none if it cannot be read.
+#[must_use]
+pub fn own_end(folder: &Path) -> Option<i64> {
+    let own = CertificateDer::from(fs::read(folder.join(OWN_CERTIFICATE)).ok()?);
+    Some(certificate_end([&own])?.0)
 }
 
 /// The certificates of clients that are trusted.

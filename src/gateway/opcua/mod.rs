@@ -11,7 +11,7 @@
 mod accounts;
 #[cfg(feature = "opcua")]
 mod adapter_client;
-mod adapter_state;
+pub mod adapter_state;
 #[cfg(feature = "opcua")]
 mod alert_event;
 #[cfg(feature = "opcua")]

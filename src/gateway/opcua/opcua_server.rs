@@ -1,7 +1,7 @@
 //! The server: waits for a control, shows it to clients, and begins anew when it is another machine or when nobody is
 //! connected any more.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -30,6 +30,7 @@ use super::log::log_line;
 use super::machine_tool::MachineNodes;
 use super::node_manager::{EventFields, MachineBuilder, MachineNodeManager};
 use super::order_desk::{MOST_WAITING, OrderCall, OrderDesk};
+use crate::gateway::opcua_report::OpcUaReport;
 
 /// Time between two trials to reach the control.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
@@ -39,6 +40,8 @@ const LONGEST_IDLE: Duration = Duration::from_secs(60);
 const END_TIMEOUT: Duration = Duration::from_secs(5);
 /// Subscriptions after which a server begins anew even if somebody is connected.
 const MOST_SUBSCRIPTIONS: u32 = 100;
+/// Time between two reports to the control.
+const REPORT_INTERVAL: Duration = Duration::from_secs(2);
 /// Time between two looks whether somebody is connected.
 const LOOK_INTERVAL: Duration = Duration::from_secs(5);
 /// A control that has not said in this time who it is, is none, or an older one.
@@ -59,6 +62,13 @@ pub struct OpcUaSettings {
     pub host: String,
     /// Folder of its users and certificates.
     pub folder: PathBuf,
+}
+
+impl OpcUaSettings {
+    /// Where clients reach it.
+    fn address(&self) -> String {
+        format!("opc.tcp://{}:{}/", self.host, self.listen.port())
+    }
 }
 
 /// What somebody is told of the state of the server.
@@ -101,8 +111,7 @@ impl OpcUaServer {
         while !is_over() {
             let Some(client) = self.first_contact(&mut state, is_over, tell) else { return Ok(()) };
             let running = self.runtime.block_on(Running::start(&self.settings, Arc::clone(&listener), &state))?;
-            let at = self.settings.listen.port();
-            tell(&format!("{} at opc.tcp://{}:{at}/", state.identity.uuid, self.settings.host));
+            tell(&format!("{} at {}", state.identity.uuid, self.settings.address()));
             let ended = self.follow(&running, client, &mut state, is_over, tell);
             self.runtime.block_on(running.end());
             if ended == Ended::Over {
@@ -166,7 +175,11 @@ impl OpcUaServer {
         running.show(Some(state));
         running.show_plan(Some(state));
         while !is_over() {
-            let lines = client.as_mut().map(|client| running.propose(client).and_then(|()| client.lines()));
+            let lines = client.as_mut().map(|client| {
+                running.report(client, &self.settings)?;
+                running.propose(client)?;
+                client.lines()
+            });
             match lines {
                 Some(Ok(lines)) => {
                     let identity = state.identity.clone();
@@ -200,7 +213,7 @@ impl OpcUaServer {
     }
 }
 
-/// A clock that never runs back: the library holds values with an older time back.
+/// A clock that never runs back.
 struct SteadyClock {
     wall: Duration,
     begun: Instant,
@@ -271,6 +284,10 @@ struct Running {
     manager: Arc<MachineNodeManager>,
     nodes: Arc<MachineNodes>,
     clock: SteadyClock,
+    /// When the control was told how the server does.
+    reported_at: Cell<Option<Instant>>,
+    /// The newest time of values: the library holds those with an older one back.
+    newest_source: Cell<DateTime>,
     folder: PathBuf,
     /// Orders that clients hand in.
     calls: Receiver<OrderCall>,
@@ -306,6 +323,8 @@ impl Running {
             manager,
             nodes,
             clock: SteadyClock::new(),
+            reported_at: Cell::default(),
+            newest_source: Cell::new(DateTime::null()),
             folder,
             calls,
             waiting: RefCell::default(),
@@ -370,6 +389,21 @@ impl Running {
         self.tell(&events);
     }
 
+    /// Tells the control now and then how the server does.
+    fn report(&self, client: &mut AdapterClient, settings: &OpcUaSettings) -> std::io::Result<()> {
+        if self.reported_at.get().is_some_and(|at| at.elapsed() < REPORT_INTERVAL) {
+            return Ok(());
+        }
+        self.reported_at.set(Some(Instant::now()));
+        let report = OpcUaReport {
+            address: settings.address(),
+            clients: self.sessions(),
+            untrusted: u32::try_from(certificates::rejected_count(&self.folder)).unwrap_or(u32::MAX),
+            until: certificates::own_end(&self.folder),
+        };
+        client.report(&report.line())
+    }
+
     /// Hands the orders of clients on to the control.
     fn propose(&self, client: &mut AdapterClient) -> std::io::Result<()> {
         let mut waiting = self.waiting.borrow_mut();
@@ -413,17 +447,26 @@ impl Running {
             state.orders().clone_into(&mut jobs);
         }
         let values = self.nodes.plan.values(&jobs);
-        self.set(values.iter().map(|(id, value)| (id, state.map(|_| Some(value.clone())))));
+        self.set(state, values.iter().map(|(id, value)| (id, state.map(|_| Some(value.clone())))));
     }
 
     /// Shows the values of a control, or that there is none.
     fn show(&self, state: Option<&AdapterState>) {
-        self.set(self.nodes.variables.iter().map(|variable| (&variable.id, state.map(|state| (variable.read)(state)))));
+        let variables = self.nodes.variables.iter();
+        self.set(state, variables.map(|variable| (&variable.id, state.map(|state| (variable.read)(state)))));
     }
 
-    /// Sets variables: none without a control, and none in that where nothing is known.
-    fn set<'a>(&self, variables: impl Iterator<Item = (&'a NodeId, Option<Option<Variant>>)>) {
-        let time = self.clock.now();
+    /// Sets variables: none without a control, and none in that where nothing is known. They are as old as the tick that
+    /// the control has told them of.
+    fn set<'a>(
+        &self,
+        state: Option<&AdapterState>,
+        variables: impl Iterator<Item = (&'a NodeId, Option<Option<Variant>>)>,
+    ) {
+        let now = self.clock.now();
+        // The clock of the control may be ahead of this one, or may have been set back.
+        let source = state.map_or(now, time_of).min(now).max(self.newest_source.get());
+        self.newest_source.set(source);
         let values = variables.map(|(id, told)| {
             let status = match &told {
                 None => StatusCode::BadNoCommunication,
@@ -434,8 +477,8 @@ impl Running {
                 // Without a value the library would show the status as good.
                 value: Some(told.flatten().unwrap_or(Variant::Empty)),
                 status: Some(status),
-                source_timestamp: Some(time),
-                server_timestamp: Some(time),
+                source_timestamp: Some(source),
+                server_timestamp: Some(now),
                 ..DataValue::default()
             };
             (id, None, value)
@@ -485,7 +528,7 @@ fn builder(settings: &OpcUaSettings) -> ServerBuilder {
         .product_uri("urn:kt830")
         .host(host.as_str())
         .port(listen.port())
-        .discovery_urls(vec![format!("opc.tcp://{host}:{}/", listen.port())])
+        .discovery_urls(vec![settings.address()])
         .add_endpoint("basic256sha256", secure(SecurityPolicy::Basic256Sha256))
         .add_endpoint("aes256sha256rsapss", secure(SecurityPolicy::Aes256Sha256RsaPss))
         .default_endpoint("aes256sha256rsapss")

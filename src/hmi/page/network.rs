@@ -5,8 +5,9 @@ use egui::{Color32, Rect, vec2};
 
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
+use crate::link::condition::{Condition, level};
 use crate::link::data_item::{Category, DataItem, data_items};
-use crate::link::network::{BrokerState, BrokerView, ServiceState, ServiceView, TlsView};
+use crate::link::network::{BrokerState, BrokerView, OpcUaView, ServiceState, ServiceView, TlsView};
 
 /// Height of a line of a service, and of its card with the gap below it.
 const LINE_HEIGHT: f32 = 27.0;
@@ -22,6 +23,14 @@ const SOON: i64 = 30 * 86_400;
 const ROW_HEIGHT: f32 = 30.0;
 /// Shares of the columns of the list: what it is, value, name and unit for the network.
 const COLUMNS: [f32; 3] = [1.0, 0.8, 1.2];
+
+/// A row of the list: what the network is told.
+enum TellRow {
+    /// A data item.
+    Item(DataItem),
+    /// Alarms.
+    Condition(Condition),
+}
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -41,11 +50,12 @@ impl PageUi for NetworkPage {
             return empty::show(view, rect, pictogram::NO_PAGE, view.text("没有网络", "no network"), remedy);
         };
         let body = rect.shrink(theme::PAD);
-        let (services, list) = body.split_top(3.0 * SERVICE_HEIGHT);
+        let (services, list) = body.split_top(4.0 * SERVICE_HEIGHT);
         let lines = [
             service_lines(view, "MTConnect", &network.mtconnect),
             service_lines(view, view.text("浏览器", "browser"), &network.web),
             broker_lines(view, &network.mqtt),
+            opcua_lines(view, &network.opcua),
         ];
         for (index, lines) in lines.iter().enumerate() {
             let place = services.band(index as f32 * SERVICE_HEIGHT, SERVICE_HEIGHT - theme::GAP);
@@ -57,7 +67,8 @@ impl PageUi for NetworkPage {
         for (place, (zh, en)) in head.trim_sides(8.0).columns(COLUMNS).into_iter().zip(heading) {
             view.fit_left(place.trim_right(6.0), view.text(zh, en), theme::SMALL, view.theme.muted);
         }
-        let items: Vec<DataItem> = data_items(view.snapshot).collect();
+        let conditions = Condition::of_machine(view.snapshot).map(TellRow::Condition);
+        let items: Vec<TellRow> = data_items(view.snapshot).map(TellRow::Item).chain(conditions).collect();
         let list = ScrollList {
             id: "network",
             rect: round_to_lines(rows, ROW_HEIGHT),
@@ -133,6 +144,26 @@ fn broker_lines<'a>(view: &View<'a>, broker: &BrokerView) -> ServiceLines<'a> {
     }
 }
 
+/// The OPC UA server, a process of its own, and who waits for its trust.
+fn opcua_lines<'a>(view: &View<'a>, server: &OpcUaView) -> ServiceLines<'a> {
+    let muted = |zh, en| (view.text(zh, en).to_owned(), view.theme.muted);
+    let is_up = !server.address.is_empty();
+    let state = match server.clients {
+        _ if !is_up => muted("没有服务器", "no server"),
+        0 => muted("没有连接", "nobody is connected"),
+        1 => (view.text("1 个客户端", "1 client").to_owned(), view.theme.text),
+        more => (format!("{more} {}", view.text("个客户端", "clients")), view.theme.text),
+    };
+    ServiceLines {
+        name: "OPC UA",
+        is_up,
+        address: server.address.clone(),
+        state,
+        counts: (view.text("未信任的证书", "certificates that nobody has trusted"), server.untrusted.to_string()),
+        tls: is_up.then(|| tls_line(view, server.tls)),
+    }
+}
+
 /// Until when the certificates of encrypted connections are valid; what ends soon is marked.
 fn tls_line(view: &View<'_>, tls: TlsView) -> (String, Color32) {
     let Some(end) = tls.valid_until else {
@@ -173,18 +204,27 @@ fn show_service(rect: Rect, view: &View<'_>, lines: &ServiceLines<'_>) {
     view.fit_left(counts, &lines.counts.1, theme::LABEL, view.theme.text);
 }
 
-/// What a data item is, its value, and how the network knows it.
-fn show_item(rect: Rect, view: &View<'_>, item: &DataItem) {
+/// What it is, its value, and how the network knows it.
+fn show_item(rect: Rect, view: &View<'_>, row: &TellRow) {
     view.hairline(rect, rect.max.y);
     let [name, value, id] = rect.columns(COLUMNS);
-    let units = match item.category {
-        Category::Sample(units) | Category::EventWithUnits(units) => units,
-        Category::Event => "",
+    let (text, shown, known_as) = match row {
+        TellRow::Item(item) => {
+            let units = match item.category {
+                Category::Sample(units) | Category::EventWithUnits(units) => units,
+                Category::Event => "",
+            };
+            let axis = item.axis().map_or_else(String::new, |axis| format!("{axis} "));
+            let text = format!("{axis}{}", item.text.get(view.lang));
+            (text, item.value(view.snapshot).to_string(), format!("{}  {units}", item.id()))
+        }
+        TellRow::Condition(condition) => {
+            let worst = condition.worst(view.snapshot).map(|alarm| alarm.number);
+            let shown = worst.map_or_else(|| "NORMAL".to_owned(), |number| format!("{} {number}", level(number)));
+            (condition.name().get(view.lang).to_owned(), shown, condition.row().0.to_owned())
+        }
     };
-    let axis = item.axis().map_or_else(String::new, |axis| format!("{axis} "));
-    let text = format!("{axis}{}", item.text.get(view.lang));
     view.fit_left(name.trim_right(6.0), &text, theme::LABEL, view.theme.text);
-    let shown = item.value(view.snapshot).to_string();
     view.fit_left(value.trim_right(6.0), &shown, theme::LABEL, view.theme.text);
-    view.fit_left(id, format!("{}  {units}", item.id()).trim_end(), theme::SMALL, view.theme.muted);
+    view.fit_left(id, known_as.trim_end(), theme::SMALL, view.theme.muted);
 }

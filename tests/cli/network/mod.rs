@@ -20,6 +20,7 @@ use kt830::defs::{alarm, param};
 use kt830::gateway::{Gateway, GatewayThread, Painter};
 use kt830::link::Snapshot;
 use kt830::link::network::{NetworkView, ServiceState};
+use kt830::link::observed::ObservedSnapshot;
 use kt830::link::snapshot::AlarmView;
 use kt830::units::{Axis, Micros};
 use triple_buffer::{Input, Output, TripleBuffer};
@@ -27,6 +28,11 @@ use triple_buffer::{Input, Output, TripleBuffer};
 /// Longest wait for the network of this computer.
 const DEADLINE: Duration = Duration::from_secs(20);
 const TIME: &str = "2026-11-29T01:02:03.000000Z";
+/// When the snapshots of a [`Shop`] were taken.
+const STEPPED_AT: Duration = Duration::from_secs(1_795_000_000);
+const TIME_OF_STEPS: &str = "2026-11-18T11:06:40.000000Z";
+/// A tick: 1 795 914 123 s after 1970 are [`TIME`].
+const TAKEN: Micros = Micros(1_795_914_123_000_000);
 
 /// A cylindrical grinder with the axes X and Z.
 fn machine() -> Snapshot {
@@ -103,7 +109,7 @@ impl Shop {
 
     fn step(&mut self) {
         self.now += Duration::from_millis(20);
-        self.gateway.step(self.now, Duration::from_secs(1_795_000_000), &self.snapshot);
+        self.gateway.step(self.now, STEPPED_AT, &self.snapshot);
     }
 
     fn connect(&self) -> TcpStream {
@@ -190,8 +196,9 @@ fn a_port_in_use_is_said_and_tried_again() {
 }
 
 /// A gateway on its thread, where its snapshots go in, and where it tells its page.
-fn on_thread(snapshot: &Snapshot) -> (GatewayThread, Input<Snapshot>, Output<Option<NetworkView>>) {
-    let (input, output) = TripleBuffer::new(snapshot).split();
+fn on_thread(snapshot: &Snapshot) -> (GatewayThread, Input<ObservedSnapshot>, Output<Option<NetworkView>>) {
+    let first = ObservedSnapshot { snapshot: snapshot.clone(), taken: TAKEN };
+    let (input, output) = TripleBuffer::new(&first).split();
     let (tell, told) = TripleBuffer::default().split();
     (GatewayThread::start(output, Gateway::default(), tell).unwrap(), input, told)
 }
@@ -205,7 +212,7 @@ fn a_control_that_stands_still_loses_its_agents() {
     let (_gateway, mut input, mut told) = on_thread(&snapshot);
     let begun = Instant::now();
     let mut publish = |snapshot: &Snapshot| {
-        input.input_buffer_mut().clone_from(snapshot);
+        input.input_buffer_mut().snapshot.clone_from(snapshot);
         input.publish();
     };
     let mut agent = loop {
@@ -221,6 +228,8 @@ fn a_control_that_stands_still_loses_its_agents() {
     let mut everything = String::new();
     agent.read_to_string(&mut everything).unwrap();
     assert!(everything.contains("|avail|AVAILABLE"), "{everything}");
+    let is_of_tick = |line: &&str| line.starts_with("* ") || line.starts_with(&format!("{TIME}|"));
+    assert!(everything.lines().all(|line| is_of_tick(&line)), "as old as the tick: {everything}");
     assert!(told.update() && told.output_buffer_mut().is_some(), "the page is told");
 }
 
@@ -249,7 +258,7 @@ fn a_flood_of_connections_does_not_hold_the_end_up() {
     let (mut snapshot, port) = (machine(), free_port());
     set(&mut snapshot, "P480", port.into());
     let (gateway, mut input, mut told) = on_thread(&snapshot);
-    input.input_buffer_mut().clone_from(&snapshot);
+    input.input_buffer_mut().snapshot.clone_from(&snapshot);
     input.publish();
     let first = first(&mut told);
     assert_eq!(first.mtconnect.state, ServiceState::Listening, "{first:?}");

@@ -168,6 +168,40 @@ fn off_by_factory_no_broker_is_looked_for() {
     assert_eq!(site.view(), BrokerView::default());
 }
 
+/// A simulation without a data directory has no settings of a broker.
+#[test]
+fn without_a_data_directory_no_broker_is_looked_for() {
+    let mut site = Site::new();
+    site.gateway = Gateway::default();
+    site.steps(50);
+    assert!(!site.broker.has_client() && failure(&site).contains("no data directory"), "{:?}", site.view());
+}
+
+/// Machines of the factory's number 0 would be one for the broker.
+#[test]
+fn a_machine_without_a_number_is_not_told_to_the_broker() {
+    let mut site = Site::new();
+    set(&mut site.snapshot, "P482", 0.0);
+    site.steps(200);
+    assert!(!site.broker.has_client() && failure(&site).contains("P482 is 0"), "{:?}", site.view());
+    set(&mut site.snapshot, "P482", 123.0);
+    site.until_born();
+    set(&mut site.snapshot, "P482", 0.0);
+    site.until("the end", |site| failure(site).contains("P482 is 0"));
+}
+
+/// A broker ends the connection of a client when another one of the same name comes: the page says what it may be.
+#[test]
+fn a_second_control_of_the_same_number_is_said_on_the_page() {
+    let mut site = Site::new();
+    site.until_born();
+    for _ in 0..3 {
+        site.broker.drop_client();
+        site.until("the loss", |site| failure(site).contains("another control with the same P482?"));
+        site.until_born();
+    }
+}
+
 #[test]
 fn a_birth_has_every_metric_and_data_follow_by_exception() {
     let mut site = Site::new();
@@ -337,6 +371,11 @@ fn every_result_reaches_the_broker_over_losses_of_connection_and_power() {
     let first = &site.results()[0];
     assert_eq!((&first["part"], &first["verdict"], &first["size_mm"]), (&1.into(), &"ok".into(), &39.9985.into()));
     assert_eq!((&first["machine"], &first["program"], &first["min_mm"]), (&NODE.into(), &1_002.into(), &39.995.into()));
+    assert_eq!(
+        (&first["wheel_mm"], &first["cycle_s"], &first["alarms"]),
+        (&598.4.into(), &27.02.into(), &"103".into())
+    );
+    assert_eq!((&first["since_dressing"], &first["order"]), (&1.into(), &serde_json::Value::Null));
     site.steps(20);
     // Not acknowledged: sent again with the next connection.
     site.broker.manners = Manners::Forgetful;

@@ -11,6 +11,7 @@ use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::part_record::PartHistory;
 use kt830::defs::part_verdict::PartVerdict;
+use kt830::defs::signal::{Input, Output};
 use kt830::defs::text::LocalizedText;
 use kt830::gateway::device_model::device_model;
 use kt830::gateway::shdr::ShdrLines;
@@ -78,6 +79,13 @@ fn what_a_machine_has_not_is_not_told() {
     assert!(has(&grinder, "hydraulic") && !has(&grinder, "guard") && !has(&lathe, "hydraulic"));
     set(&mut grinder, "P332", 12.0);
     assert_eq!(value(&grinder, "guard"), "OPEN");
+    assert!(has(&grinder, "gauge_signals") && !has(&lathe, "gauge_signals"));
+    let gauges = |snapshot: &Snapshot| ["gauge_radial", "gauge_axial", "gauge_signals"].map(|id| value(snapshot, id));
+    assert_eq!(gauges(&grinder), ["INACTIVE", "INACTIVE", "NONE"]);
+    grinder.outputs.set(Output::RadialGauge, true);
+    grinder.inputs.set(Input::Gauge1, true);
+    grinder.inputs.set(Input::Gauge3, true);
+    assert_eq!(gauges(&grinder), ["ACTIVE", "INACTIVE", "P1 P3"]);
     let speeds = |snapshot: &Snapshot| ["spindle_commanded", "spindle_speed"].map(|id| value(snapshot, id));
     assert!(has(&grinder, "spindle_load") && value(&lathe, "spindle_load") == "UNAVAILABLE");
     assert_eq!(speeds(&grinder), ["1500", "UNAVAILABLE"]);
@@ -115,6 +123,10 @@ fn words_and_numbers_are_those_of_the_standard() {
         snapshot.production.parts = PartHistory::new([part(7, PartVerdict::Good), part(8, verdict)], 1);
         assert_eq!(value(&snapshot, "part_status"), word);
         assert_eq!((value(&snapshot, "part_id"), value(&snapshot, "part_size")), ("8".into(), "39.9985".into()));
+        let limits = ["part_nominal", "part_least", "part_greatest"].map(|id| value(&snapshot, id));
+        assert_eq!(limits, ["40", "39.995", "40"]);
+        let others = ["part_time", "part_wheel", "part_alarms", "part_order"].map(|id| value(&snapshot, id));
+        assert_eq!(others, ["27.02", "598.4", "103", "UNAVAILABLE"]);
     }
 }
 
@@ -298,6 +310,24 @@ fn a_ninth_agent_is_refused_and_idle_connections_lose_their_places() {
     shop.until_view("all have gone", |shop| shop.gateway.view().mtconnect.clients.is_empty());
     let mut late = shop.connect();
     shop.until(&mut late, "avail|AVAILABLE");
+}
+
+/// The OPC UA server says how it does; the page shows it as long as it is connected, and nobody else's words.
+#[test]
+fn the_opc_ua_server_reports_itself_while_it_is_connected() {
+    let mut shop = Shop::new();
+    let (mut server, mut other) = (shop.connect(), shop.connect());
+    let report = |address: &str| {
+        format!("* OPCUA {{\"address\":\"{address}\",\"clients\":2,\"untrusted\":1,\"until\":2400000000}}\n")
+    };
+    other.write_all(report("opc.tcp://before-a-ping/").as_bytes()).unwrap();
+    server.write_all(format!("* PING\n{}* OPCUA nonsense\n", report("opc.tcp://grinder:4840/")).as_bytes()).unwrap();
+    shop.until_view("a report", |shop| !shop.gateway.view().opcua.address.is_empty());
+    let view = shop.gateway.view().opcua;
+    assert_eq!((view.address.as_str(), view.clients, view.untrusted), ("opc.tcp://grinder:4840/", 2, 1));
+    drop(server);
+    shop.until_view("its end", |shop| shop.gateway.view().opcua.address.is_empty());
+    drop(other);
 }
 
 /// Elements are closed in the order in which they were opened; every item and condition is there once, under its component.

@@ -60,6 +60,7 @@ fn a_browser_sees_the_state_the_alarms_and_the_trend() {
     assert!(head.contains(&format!("Content-Length: {}", body.len())), "{head}");
     let state: serde_json::Value = serde_json::from_slice(&body).unwrap();
     assert_eq!(state["items"]["execution"], "STOPPED");
+    assert_eq!(state["time"], super::TIME_OF_STEPS);
     assert_eq!(state["items"]["feed"], serde_json::Value::Null);
     assert_eq!(state["alarms"][0]["number"], 180);
     assert_eq!(state["alarms"][0]["text"]["zh"], "砂轮启动时液压异常");
