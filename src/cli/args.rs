@@ -232,7 +232,7 @@ pub struct FleetArgs {
     #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=500))]
     pub machines: u32,
     /// How long they work: 90, 90s, 10min, 2h
-    #[arg(long = "for", value_name = "TIME", default_value = "60s", value_parser = seconds_of)]
+    #[arg(long = "for", alias = "seconds", value_name = "TIME", default_value = "60s", value_parser = seconds_of)]
     pub seconds: u64,
 }
 
@@ -478,5 +478,7 @@ fn seconds_of(written: &str) -> Result<u64, String> {
         other => return Err(format!("'{other}' is no unit: s, min or h")),
     };
     let seconds = digits.parse().ok().and_then(|number: u64| number.checked_mul(factor));
-    seconds.filter(|seconds| (1..=86_400).contains(seconds)).ok_or_else(|| "1 s to 24 h".to_owned())
+    seconds
+        .filter(|seconds| (1..=86_400).contains(seconds))
+        .ok_or_else(|| "a whole number with s, min or h: 1s to 24h".to_owned())
 }

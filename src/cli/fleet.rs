@@ -1,5 +1,5 @@
 //! `kt830 fleet`: many simulated controls at the pace of the clock, each with its own network client, against one broker: to
-//! see whether a shop's broker and its applications bear them, and that no result is lost. The ports of the machines (MTConnect,
+//! see whether a shop's broker and its applications cope with them, and that no result is lost. The ports of the machines (MTConnect,
 //! browsers) stay closed: a hundred of them in a process would not be those of a hundred computers.
 //! Source: docs/manual, chapter "network".
 

@@ -152,7 +152,7 @@ pages! {
         "键入订单号、程序、件数，存入。开始：此后加工完的工件计入该订单，并装入它的程序。点一行选订单。报告存为 HTML。班次：每小时做了什么，各班合计，停机原因。", "Type number, program and parts of an order, ENTER. START: parts finished from now on count for it, and its program is loaded. Touch a row to choose an order. REPORT saves an HTML file. SHIFTS: what the machine did in each hour, sums, stops.";
     Network = "network", ANY, "网络", "network", row 5, key 5 2 "网络" "NETWORK",
         "网络服务：状态、地址、谁已连接，以及告诉网络的每个值。出厂时关。", "The network services: state, address, who is connected, and each value that the network is told. Off by factory.",
-        "机床厂参数：P482 机床编号；P480、P481 MTConnect（OPC UA 也用）的端口和范围；P483、P486 浏览器视图；P484 MQTT，P485 车间的订单。网络只能读；订单由操作者接受。", "Builder's parameters: P482 number of the machine; P480, P481 port and reach of MTConnect (OPC UA needs it, too); P483, P486 view for browsers; P484 MQTT, P485 orders of the shop. The network reads; orders are for the operator to accept.";
+        "机床厂参数：P482 机床编号；P480、P481 MTConnect（OPC UA 也用）的端口和范围；P483、P486 浏览器视图；P484 MQTT，P485 车间的订单。网络只能读；订单由操作者接受。", "Builder's parameters: P482 number of the machine; P480, P481 port and reach of MTConnect (OPC UA also uses it); P483, P486 view for browsers; P484 MQTT, P485 orders of the shop. The network reads; orders are for the operator to accept.";
     Panel = "panel", ANY, "面板", "panel", row 0,
         "操作面板：各键和灯。", "The operator panel with its keys and lamps.",
         "面板在屏幕右侧（竖屏在下方），各键的作用见“按键”。", "It is to the right of the page, on a portrait display below it; see KEYS for each key.";

@@ -37,6 +37,11 @@ pub fn device_model(snapshot: &Snapshot, created: &str) -> String {
         model.component(Component::Controller, &model.component(Component::Path, "")),
         fitted(&[Component::Door]),
         fitted(&[Component::Gauge]),
+        format!(
+            "<Parts id=\"{}parts\"><Components>{}</Components></Parts>",
+            model.prefix,
+            model.component(Component::LastPart, "")
+        ),
         format!("<Systems id=\"{}systems\"><Components>{systems}</Components></Systems>", model.prefix),
     ];
     let description = format!("KT-830 {}", snapshot.kind.name().en);
@@ -126,6 +131,7 @@ fn element(component: Component) -> (&'static str, String) {
         Component::Hydraulic => ("Hydraulic", "hydraulic_system"),
         Component::Lubrication => ("Lubrication", "lubrication_system"),
         Component::Gauge => ("Sensor", "gauge"),
+        Component::LastPart => ("PartOccurrence", "last_part"),
         Component::Door => ("Door", "door"),
     };
     (element, id.to_owned())

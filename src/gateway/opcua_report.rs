@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::defs::date::DateTime;
-use crate::link::network::{OpcUaView, TlsView};
+use crate::link::network::OpcUaView;
 
 /// Begin of the line.
 pub const OPCUA_REPORT: &str = "* OPCUA ";
@@ -39,7 +39,7 @@ impl OpcUaReport {
         let report = line.strip_prefix(OPCUA_REPORT.as_bytes())?;
         let Self { address, clients, untrusted, until } = serde_json::from_slice(report).ok()?;
         let address = address.chars().filter(|sign| !sign.is_control()).take(LONGEST_ADDRESS).collect();
-        Some(OpcUaView { address, clients, untrusted, tls: TlsView { valid_until: until.map(DateTime) } })
+        Some(OpcUaView { address, clients, untrusted, certificate_until: until.map(DateTime) })
     }
 }
 
@@ -54,7 +54,7 @@ mod tests {
         let line = report.line();
         let view = OpcUaReport::view(line.trim_end().as_bytes()).unwrap();
         assert_eq!((view.address.as_str(), view.clients, view.untrusted), ("opc.tcp://grinder:4840/", 2, 1));
-        assert_eq!(view.tls.valid_until, Some(DateTime(86_400)));
+        assert_eq!(view.certificate_until, Some(DateTime(86_400)));
         for other in ["* OPCUA", "* OPCUA {}", "* OPCUA [1]", "* PING", "* OPCUA {\"address\":\"\",\"clients\":-1}"] {
             assert_eq!(OpcUaReport::view(other.as_bytes()), None, "{other}");
         }

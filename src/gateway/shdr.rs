@@ -5,7 +5,7 @@ use super::device_model::device_uuid;
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::param;
 use crate::link::condition::{Condition, level};
-use crate::link::data_item::{Category, DataItem, data_items};
+use crate::link::data_item::{DataItem, data_items};
 use crate::link::snapshot::{AlarmView, Snapshot};
 
 /// Longest text of a value, characters; the rest is cut.
@@ -42,9 +42,7 @@ impl ShdrLines {
         let value = |(at, item): (usize, DataItem)| {
             let old = known.get(at).filter(|(other, _)| other.id() == item.id());
             match old {
-                Some((_, told)) if !with_samples && matches!(item.category, Category::Sample(_)) => {
-                    (item, told.clone())
-                }
+                Some((_, told)) if !with_samples && item.is_sampled() => (item, told.clone()),
                 _ => (item, text(&item.value(snapshot).to_string())),
             }
         };

@@ -13,7 +13,7 @@ use super::port_server::{Connection, ConnectionState, PortLimits, PortServer};
 use super::timestamp;
 use super::web_access::WebAccess;
 use crate::link::condition::level;
-use crate::link::data_item::{DataItem, ItemValue, data_items};
+use crate::link::data_item::{DataItem, ItemValue, data_items, rounded};
 use crate::link::network::TlsView;
 use crate::link::snapshot::{AlarmView, Snapshot};
 
@@ -180,7 +180,7 @@ fn state(WebView { snapshot, time, .. }: &WebView<'_>) -> Value {
     };
     let parts = &snapshot.production.parts;
     let sizes = parts.iter().skip(parts.len().saturating_sub(MAX_SIZES)).filter_map(|part| {
-        Some(json!({"part": part.count, "size": part.size?, "limits": part.limits, "bad": part.verdict.is_bad()}))
+        Some(json!({"part": part.count, "size": rounded(part.size?), "limits": part.limits.map(|limits| limits.map(rounded)), "bad": part.verdict.is_bad()}))
     });
     let state = snapshot.state_name();
     json!({
@@ -196,7 +196,7 @@ fn state(WebView { snapshot, time, .. }: &WebView<'_>) -> Value {
 fn item_value(item: &DataItem, snapshot: &Snapshot) -> Value {
     match item.value(snapshot) {
         ItemValue::Unavailable => Value::Null,
-        ItemValue::Number(number) => json!(number),
+        ItemValue::Number(number) => json!(rounded(number)),
         ItemValue::Count(count) => json!(count),
         ItemValue::Word(word) => json!(word),
         ItemValue::Text(text) => json!(text),

@@ -18,6 +18,14 @@ use crate::units::Axis;
 /// Decimals of a number on the network: a tenth of a micrometre.
 const DECIMALS: usize = 4;
 
+/// A number as the network is told it: lengths to a tenth of a micrometre.
+#[must_use]
+pub fn rounded(number: f64) -> f64 {
+    let steps = 10_f64.powi(DECIMALS as i32);
+    // No negative zero.
+    (number * steps).round() / steps + 0.0
+}
+
 /// Where a data item stands in the model of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Component {
@@ -41,6 +49,8 @@ pub enum Component {
     Lubrication,
     /// The gauges on their arms.
     Gauge,
+    /// The part that was finished last.
+    LastPart,
     /// The guard.
     Door,
 }
@@ -60,7 +70,8 @@ impl Component {
             | Self::Axes
             | Self::Spindle
             | Self::Coolant
-            | Self::Lubrication => true,
+            | Self::Lubrication
+            | Self::LastPart => true,
         }
     }
 }
@@ -141,6 +152,18 @@ impl DataItem {
         (self.component, self.name) == (other.component, other.name)
     }
 
+    /// A whole number.
+    #[must_use]
+    pub fn is_count(&self) -> bool {
+        ["PART_COUNT", "LINE_NUMBER"].contains(&self.kind) || self.name == "parts_since_dressing"
+    }
+
+    /// A measured value that changes all the time: it is looked at less often. What belongs to a part is told with it.
+    #[must_use]
+    pub fn is_sampled(&self) -> bool {
+        matches!(self.category, Category::Sample(_)) && self.component != Component::LastPart
+    }
+
     /// Its value now.
     #[must_use]
     pub fn value(&self, snapshot: &Snapshot) -> ItemValue {
@@ -187,6 +210,7 @@ macro_rules! component {
 
 const PERCENT: Category = Category::EventWithUnits("PERCENT");
 const MM: Category = Category::Sample("MILLIMETER");
+const MM_VALUE: Category = Category::EventWithUnits("MILLIMETER");
 const RPM: Category = Category::Sample("REVOLUTION/MINUTE");
 const SECONDS: Category = Category::Sample("SECOND");
 
@@ -220,38 +244,38 @@ data_items! {
         Path "cycle_time", SECONDS, "PROCESS_TIMER" "PROCESS", "循环时间", "cycle time", |snapshot, _| ItemValue::Number((snapshot.cycle.times.seconds * 10.0).floor() / 10.0);
         Path "parts_all", Category::Event, "PART_COUNT" "ALL", "件数", "parts", |snapshot, _| ItemValue::Count(last_part(snapshot).map_or(0, |part| part.count));
         Path "parts_counted", Category::Event, "PART_COUNT" "COMPLETE", "计数器", "part counter", |snapshot, _| ItemValue::Count(snapshot.parts_counted.into());
-        Path "part_id", Category::Event, "PART_UNIQUE_ID" "SERIAL_NUMBER", "最后的工件", "last part", |snapshot, _| {
+        LastPart "part_id", Category::Event, "PART_UNIQUE_ID" "SERIAL_NUMBER", "最后的工件", "last part", |snapshot, _| {
             last_part(snapshot).map_or(ItemValue::Unavailable, |part| ItemValue::Count(part.count))
         };
-        Path "part_status", Category::Event, "PART_STATUS" "", "最后工件的判定", "verdict of the last part", |snapshot, _| {
+        LastPart "part_status", Category::Event, "PART_STATUS" "", "最后工件的判定", "verdict of the last part", |snapshot, _| {
             last_part(snapshot).map_or(ItemValue::Unavailable, |part| part_status(part.verdict))
         };
-        Path "part_size", MM, "LENGTH" "", "最后工件的尺寸", "size of the last part", |snapshot, _| {
+        LastPart "part_size", MM, "LENGTH" "", "最后工件的尺寸", "size of the last part", |snapshot, _| {
             number_of_part(snapshot, |part| part.size)
         };
-        Path "part_nominal", MM, "LENGTH" "STANDARD", "最后工件的公称尺寸", "nominal size of the last part", |snapshot, _| {
+        LastPart "part_nominal", MM_VALUE, "VARIABLE" "", "最后工件的公称尺寸", "nominal size of the last part", |snapshot, _| {
             number_of_part(snapshot, |part| part.limits.map(|[nominal, ..]| nominal))
         };
-        Path "part_least", MM, "LENGTH" "MINIMUM", "最后工件的最小极限尺寸", "least size of the last part", |snapshot, _| {
+        LastPart "part_lower_limit", MM_VALUE, "VARIABLE" "", "最后工件的最小极限尺寸", "lower limit of size of the last part", |snapshot, _| {
             number_of_part(snapshot, |part| part.limits.map(|[_, least, _]| least))
         };
-        Path "part_greatest", MM, "LENGTH" "MAXIMUM", "最后工件的最大极限尺寸", "greatest size of the last part", |snapshot, _| {
+        LastPart "part_upper_limit", MM_VALUE, "VARIABLE" "", "最后工件的最大极限尺寸", "upper limit of size of the last part", |snapshot, _| {
             number_of_part(snapshot, |part| part.limits.map(|[.., greatest]| greatest))
         };
-        Path "part_time", SECONDS, "PROCESS_TIMER" "PROCESS", "最后工件的循环时间", "cycle time of the last part", |snapshot, _| {
+        LastPart "part_time", SECONDS, "PROCESS_TIMER" "PROCESS", "最后工件的循环时间", "cycle time of the last part", |snapshot, _| {
             number_of_part(snapshot, |part| Some(part.cycle_seconds))
         };
-        Path "part_order", Category::Event, "PROCESS_AGGREGATE_ID" "ORDER_NUMBER", "最后工件的订单", "order of the last part", |snapshot, _| {
+        LastPart "part_order", Category::Event, "PROCESS_AGGREGATE_ID" "ORDER_NUMBER", "最后工件的订单", "order of the last part", |snapshot, _| {
             let order = last_part(snapshot).filter(|part| part.order > 0).map(|part| part.order.to_string());
             order.map_or(ItemValue::Unavailable, ItemValue::Text)
         };
-        Path "part_alarms", Category::Event, "VARIABLE" "", "最后工件期间的报警", "alarms until the last part", |snapshot, _| {
+        LastPart "part_alarms", Category::Event, "VARIABLE" "", "上一件以来的报警", "alarms since the part before", |snapshot, _| {
             last_part(snapshot).map_or(ItemValue::Unavailable, |part| ItemValue::Text(listed(part.alarms.into_iter().filter(|number| *number > 0))))
         };
-        Spindle "part_wheel", MM, "DIAMETER" "", "最后工件时的砂轮直径", "diameter of the wheel at the last part", |snapshot, _| {
+        LastPart "part_wheel", MM, "DIAMETER" "", "最后工件时的砂轮直径", "diameter of the wheel at the last part", |snapshot, _| {
             number_of_part(snapshot, |part| part.wheel_mm)
         };
-        Spindle "parts_since_dressing", Category::Event, "PART_COUNT" "COMPLETE", "修整后件数", "parts since the last dressing", |snapshot, _| {
+        Spindle "parts_since_dressing", Category::Event, "VARIABLE" "", "修整后件数", "parts since the last dressing", |snapshot, _| {
             if turns_the_part(snapshot) { ItemValue::Unavailable } else { ItemValue::Count(snapshot.params.get(param::PARTS_SINCE_DRESSING) as u64) }
         };
         Spindle "spindle_mode", Category::Event, "ROTARY_MODE" "", "主轴方式", "mode of the spindle", |_, _| ItemValue::Word("SPINDLE");
@@ -270,8 +294,8 @@ data_items! {
         Coolant "coolant", Category::Event, "POWER_STATE" "CONTROL", "冷却", "coolant", |snapshot, _| power(snapshot, Output::Coolant);
         Hydraulic "hydraulic", Category::Event, "POWER_STATE" "CONTROL", "液压", "hydraulics", |snapshot, _| power(snapshot, Output::Hydraulic);
         Lubrication "lubrication", Category::Event, "POWER_STATE" "CONTROL", "润滑", "lubrication", |snapshot, _| power(snapshot, Output::Lubrication);
-        Gauge "gauge_radial", Category::Event, "ACTUATOR_STATE" "", "径向量仪伸出", "radial gauge", |snapshot, _| arm(snapshot, Output::RadialGauge);
-        Gauge "gauge_axial", Category::Event, "ACTUATOR_STATE" "", "轴向量仪伸出", "axial gauge", |snapshot, _| arm(snapshot, Output::AxialGauge);
+        Gauge "gauge_radial", Category::Event, "ACTUATOR_STATE" "", "径向量仪伸出", "radial gauge extended", |snapshot, _| arm(snapshot, Output::RadialGauge);
+        Gauge "gauge_axial", Category::Event, "ACTUATOR_STATE" "", "轴向量仪伸出", "axial gauge extended", |snapshot, _| arm(snapshot, Output::AxialGauge);
         Gauge "gauge_signals", Category::Event, "VARIABLE" "", "量仪信号", "signals of the gauges", |snapshot, _| {
             let given = Input::GAUGES.iter().enumerate().filter(|(_, signal)| snapshot.inputs.has(**signal));
             ItemValue::Text(listed(given.map(|(index, _)| format!("P{}", index + 1))))

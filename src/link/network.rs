@@ -86,8 +86,8 @@ pub struct OpcUaView {
     pub clients: u32,
     /// Certificates that were refused and that nobody has trusted.
     pub untrusted: u32,
-    /// How its connections are encrypted.
-    pub tls: TlsView,
+    /// When its certificate ends, UTC; none if nobody can say.
+    pub certificate_until: Option<DateTime>,
 }
 
 /// The network.

@@ -545,7 +545,7 @@ fn network(state: ServiceState) -> NetworkView {
         address: "opc.tcp://grinder12.hall-2.example:4840/".to_owned(),
         clients: 12,
         untrusted: 500,
-        tls: TlsView { valid_until: Some(DateTime(2_400_000_000)) },
+        certificate_until: Some(DateTime(2_400_000_000)),
     };
     let opcua = if is_listening { opcua } else { OpcUaView::default() };
     NetworkView { mtconnect: service(7_878), web: service(8_083), mqtt, opcua }

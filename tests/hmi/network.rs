@@ -100,13 +100,11 @@ fn b6_the_network_page_shows_the_opc_ua_server_and_the_conditions() {
         address: "opc.tcp://grinder12:4840/".to_owned(),
         clients: 2,
         untrusted: 7,
-        tls: TlsView { valid_until: DateTime::from_parts([2046, 2, 27, 12, 0, 0]) },
+        certificate_until: DateTime::from_parts([2046, 2, 27, 12, 0, 0]),
     };
     snapshot.network = Some(Arc::new(NetworkView { opcua, ..NetworkView::default() }));
     let texts = page_text(&snapshot, Lang::En).join("\n");
-    for said in
-        ["opc.tcp://grinder12:4840/", "2 clients", "certificates that nobody has trusted", "TLS until 2046-02-27"]
-    {
+    for said in ["grinder12:4840", "2 clients", "untrusted certificates", "certificate until 2046-02-27"] {
         assert!(texts.contains(said), "{said}: {texts}");
     }
 }

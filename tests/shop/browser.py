@@ -7,6 +7,7 @@ Needs chromium, and Python with websocket-client. KT830_PICTURES names a folder 
 """
 
 import base64
+import http.client
 import json
 import os
 import shutil
@@ -115,19 +116,19 @@ def status(url, password=None, context=None):
             return answer.status, dict(answer.headers), answer.read()
     except urllib.error.HTTPError as error:
         return error.code, dict(error.headers), b""
-    except OSError:
+    except (OSError, http.client.HTTPException):
         return 0, {}, b""
 
 
-def shows_the_story(page):
-    """The part, the place of the axis, the alarm with its remedy, the picture of the screen."""
+def shows_the_story(page, parts):
+    """The parts, the place of the axis, the alarm with its remedy, the picture of the screen."""
     check(page.until('document.body.innerText.includes("kt830-gc-000123")'), "the machine is named")
     check(page.until('document.getElementById("program").innerText.includes("O3005")'), "its program is shown")
     x = '[...document.querySelectorAll("dt.axis")].find((name) => name.innerText == "X")?.nextSibling.innerText'
     check(page.until(f'{x} == "-61.500"'), f"X stands at -61.500: {page.value(x)}")
-    check(page.until('document.getElementById("size").innerText.startsWith("39.9985  (39.995 … 40.000)")'),
+    check(page.until('document.getElementById("size").innerText == "39.9985 (39.995 … 40.000)"'),
           f"size and limits of the part: {page.text('size')}")
-    check(page.value('document.querySelectorAll("#trend circle").length') == 1, "it is a point of the trend")
+    check(page.value('document.querySelectorAll("#trend circle").length') == parts, "each part is a point of the trend")
     check(page.until('document.getElementById("alarms").innerText.includes("193")'), f"the alarm: {page.text('alarms')!r}")
     check(page.value('document.getElementById("alarms").innerText.split("\\n").length') >= 2, "with what to do")
     check(page.until('document.getElementById("screen").naturalWidth == 1024'), "the picture of the screen")
@@ -136,7 +137,7 @@ def shows_the_story(page):
 served = serve()
 print("on this computer")
 page = Page(f"http://localhost:{PORT}/", phone=True)
-shows_the_story(page)
+shows_the_story(page, 1)
 page.picture("phone.png")
 page.value('window.ages = []; new MutationObserver(() => ages.push(Number(document.getElementById("time").dataset.age)))'
            '.observe(document.getElementById("time"), { attributes: true }); 1')
@@ -166,7 +167,7 @@ told = status(url + "/state.json", PASSWORD, trusting)
 check(told[0] == 200 and json.loads(told[2])["machine"] == "kt830-gc-000123", "with the password, the certificate checked")
 check(status(f"http://localhost:{PORT}/state.json", PASSWORD)[0] == 0, "not without TLS")
 page = Page(f"https://viewer:{PASSWORD.replace(' ', '%20')}@localhost:{PORT}/", phone=False)
-shows_the_story(page)
+shows_the_story(page, 2)
 page.picture("desk.png")
 page.close()
 served.kill()

@@ -1,14 +1,17 @@
 """The examples in docs/shop: their syntax, that every file is there which another one names, and that the columns of the
 database are the fields of a part's result. With promtool the configuration of Prometheus, too.
 
-Needs Python 3.11 with PyYAML.
+Needs Python 3.11 with PyYAML, and mosquitto.
 """
 
 import json
 import re
 import shutil
+import socket
 import subprocess
 import sys
+import tempfile
+import time
 import tomllib
 from pathlib import Path
 
@@ -64,6 +67,26 @@ for panel in dashboard["panels"]:
         words = set(re.findall(r"\b[a-z_]+_mm\b|\bis_bad\b", target.get("rawSql", "")))
         check(words <= set(columns), f"columns {sorted(words)}")
 check(yaml.safe_load((shop / "grafana/provisioning/dashboards/kt830.yaml").read_text())["providers"], "dashboards")
+
+if shutil.which("mosquitto"):
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        # The file as it is, but for the folder of the container and the port.
+        text = (shop / "mosquitto.conf").read_text().replace("/mosquitto/data/", f"{folder}/").replace("listener 1883", "listener 18839")
+        (folder / "mosquitto.conf").write_text(text + "user root\n")
+        broker = subprocess.Popen(["mosquitto", "-c", str(folder / "mosquitto.conf")], stderr=subprocess.DEVNULL)
+        time.sleep(1)
+        try:
+            with socket.create_connection(("127.0.0.1", 18839), timeout=2) as stream:
+                stream.sendall(b"\x10\x0d\x00\x04MQTT\x04\x02\x00\x3c\x00\x01k")
+                answer = stream.recv(4)
+        except OSError as error:
+            answer = str(error)
+        check(answer == b"\x20\x02\x00\x00", f"mosquitto.conf: the broker takes a client: {answer}")
+        broker.terminate()
+        broker.wait()
+else:
+    check(False, "no mosquitto: mosquitto.conf was not tested")
 
 prometheus = shop / "prometheus.yml"
 check(yaml.safe_load(prometheus.read_text())["scrape_configs"][0]["job_name"] == "kt830", "prometheus.yml")

@@ -191,7 +191,7 @@ def values_are_true(listener):
     near = lambda name, true, tolerance: any(value is not None and abs(value - true) <= tolerance for value in told[name])
     for name, true, tolerance in (
         ("x_work", -61.5, 0.002), ("z_work", -20.0, 0.002), ("part_size", 39.9985, 0.0), ("part_nominal", 40.0, 0.0),
-        ("part_least", 39.995, 0.0), ("part_greatest", 40.0, 0.0), ("part_wheel", 600.0, 0.0),
+        ("part_lower_limit", 39.995, 0.0), ("part_upper_limit", 40.0, 0.0), ("part_wheel", 600.0, 0.0),
     ):
         check(near(name, true, tolerance), f"{name} {true}: {told[name][-5:]}")
     check("PASS" in told["part_status"], f"verdict {told['part_status']}")
@@ -368,6 +368,29 @@ async def flood_of_subscriptions(server):
     check(memory_of(server) < before + 20, f"memory {before} MB, then {memory_of(server)} MB")
 
 
+def report():
+    """What a control is told of the server: a control of our own hears it."""
+    welcome = (
+        "* uuid: kt830-gc-000007\n* serialNumber: 000007\n* description: KT-830\n"
+        "2026-11-30T08:00:00.000000Z|avail|AVAILABLE|execution|READY\n2026-11-30T08:00:00.000000Z|c_system|NORMAL||||\n")
+    with socket.create_server(("127.0.0.1", ADAPTER + 100)) as listener:
+        words = ["opcua", "serve", "--control", f"127.0.0.1:{ADAPTER + 100}", "--listen", f"127.0.0.1:{PORT + 100}", *data]
+        other = subprocess.Popen([program, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        listener.settimeout(10)
+        heard, end = "", time.monotonic() + 10
+        stream, _ = listener.accept()
+        stream.sendall(welcome.encode())
+        stream.settimeout(1)
+        while "* OPCUA " not in heard and time.monotonic() < end:
+            try:
+                heard += stream.recv(65536).decode()
+            except TimeoutError:
+                pass
+        other.kill()
+    line = next((line for line in heard.splitlines() if line.startswith("* OPCUA ")), "")
+    check(heard.startswith("* PING") and f"opc.tcp://localhost:{PORT + 100}/" in line and '"until":2' in line, f"a report {line}")
+
+
 async def many_subscriptions(server):
     """The library keeps what was subscribed to: the server begins anew before it is too much."""
     memory = lambda: memory_of(server)
@@ -496,6 +519,7 @@ async def main():
             why = await denied(override.read_value())
             check(why != "", f"a user that was removed reads no more: {why}")
             kt830("opcua", "add-user", "planner", *data, text="correct horse\n")
+        report()
         await flood_of_subscriptions(server)
         await many_subscriptions(server)
         check(server.poll() is None, "the server runs")

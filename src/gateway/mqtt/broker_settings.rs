@@ -78,8 +78,8 @@ impl BrokerSettings {
         let read = ron_file::read::<Self>(&folder.join(SETTINGS_FILE), ChecksumPolicy::Lenient);
         let settings = read.map_err(|error| match error {
             RonError::Missing(_) => LocalizedText::from(Text::new(
-                "数据目录中没有 mqtt.ron：见手册“网络”",
-                "mqtt.ron is missing in the data directory: see the manual, chapter network",
+                "数据目录中没有 mqtt.ron（见手册）",
+                "no mqtt.ron in the data directory (manual)",
             )),
             error => in_words(error),
         })?;

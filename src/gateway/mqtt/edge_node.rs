@@ -13,7 +13,7 @@ use srad_types::topic::{NodeMessage, node_topic};
 use crate::defs::text::LocalizedText;
 use crate::gateway::device_model::device_uuid;
 use crate::link::condition::{Condition, level};
-use crate::link::data_item::{Category, DataItem, ItemValue, data_items};
+use crate::link::data_item::{Category, DataItem, ItemValue, data_items, rounded};
 use crate::link::snapshot::Snapshot;
 
 /// Most changes kept while the broker is away; the oldest is dropped for a new one.
@@ -25,8 +25,6 @@ const SESSION: &str = "bdSeq";
 const REBIRTH: &str = "Node Control/Rebirth";
 /// Longest text of a value, characters; the rest is cut.
 const LONGEST_TEXT: usize = 400;
-/// Tenths of a micrometre in a millimetre: numbers are rounded to so much.
-const STEPS: f64 = 1e4;
 
 /// A message to the broker.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -353,7 +351,7 @@ impl MetricSource {
         match self {
             Self::Item(item) => match (item.category, item.kind) {
                 (Category::Sample(_) | Category::EventWithUnits(_), _) => DataType::Double,
-                (Category::Event, "PART_COUNT" | "LINE_NUMBER") => DataType::UInt64,
+                (Category::Event, _) if item.is_count() => DataType::UInt64,
                 (Category::Event, _) => DataType::String,
             },
             Self::Condition(_, ConditionPart::Number) => DataType::UInt64,
@@ -371,8 +369,8 @@ impl MetricSource {
     }
 
     /// A measured value: looked at less often, and not kept while the broker is away.
-    const fn is_sample(&self) -> bool {
-        matches!(self, Self::Item(DataItem { category: Category::Sample(_), .. }))
+    fn is_sample(&self) -> bool {
+        matches!(self, Self::Item(item) if item.is_sampled())
     }
 }
 
@@ -393,7 +391,7 @@ impl NodeMetric {
 fn metrics_of(snapshot: &Snapshot) -> Vec<NodeMetric> {
     let of_item = |item: DataItem| {
         let value = match item.value(snapshot) {
-            ItemValue::Number(number) if number.is_finite() => ItemValue::Number((number * STEPS).round() / STEPS),
+            ItemValue::Number(number) if number.is_finite() => ItemValue::Number(rounded(number)),
             ItemValue::Number(_) => ItemValue::Unavailable,
             ItemValue::Text(words) => ItemValue::Text(cut(&words)),
             value => value,

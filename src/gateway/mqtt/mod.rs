@@ -137,7 +137,7 @@ impl MqttClient {
         }
         match std::mem::replace(&mut self.phase, Phase::Waiting) {
             Phase::Waiting if now < self.retry_at => {}
-            Phase::Waiting if snapshot.params.get(param::MACHINE_NUMBER) < 1.0 => self.failure = Some(no_number()),
+            Phase::Waiting if !has_number(snapshot) => self.failure = Some(no_number()),
             Phase::Waiting => self.dial(now),
             Phase::Dialing(dialed) => self.join(now, time, snapshot, dialed),
             Phase::Joining(link) => self.wait_for_acceptance(now, snapshot, link),
@@ -240,6 +240,7 @@ impl MqttClient {
             Err(TryRecvError::Disconnected) => (String::new(), Err(super::internal_fault())),
         };
         self.view.address = address;
+        let ends = if has_number(snapshot) { ends } else { Err(no_number()) };
         let opened = ends.and_then(|Dialed { settings, stream, tls }| {
             self.machine_until = tls.as_ref().and_then(|ends| ends.machine_until);
             self.view.tls = self.own_tls();
@@ -285,6 +286,9 @@ impl MqttClient {
         let Some(node) = &mut self.node else { return };
         for event in link.step(now) {
             match event {
+                // An empty one takes back what the broker was to keep: it is none of the control's.
+                BrokerEvent::Received { topic, payload, .. }
+                    if payload.is_empty() && topic == node.own_topic(ORDER_TOPIC) => {}
                 BrokerEvent::Received { topic, payload, is_retained } if topic == node.own_topic(ORDER_TOPIC) => {
                     let answer = self.orders.take(now, (&payload, is_retained), snapshot);
                     if link.has_room() {
@@ -340,6 +344,10 @@ impl MqttClient {
 }
 
 /// Two machines of the factory's number would be one for the broker, and the parts of both one list.
+fn has_number(snapshot: &Snapshot) -> bool {
+    snapshot.params.get(param::MACHINE_NUMBER) >= 1.0
+}
+
 fn no_number() -> LocalizedText {
     Text::new("机床编号 P482 为 0：每台机床要有自己的编号", "P482 is 0: each machine needs a number of its own").into()
 }

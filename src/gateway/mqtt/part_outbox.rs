@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::told_to_broker::{SentPart, ToldToBroker};
 use crate::defs::part_record::{PartHistory, PartRecord};
+use crate::link::data_item::rounded;
 
 /// The newest result is sent when it has not changed for so long: size and verdict follow the part.
 const SETTLING: Duration = Duration::from_secs(2);
@@ -156,15 +157,15 @@ fn message_of(machine: &str, record: &PartRecord) -> String {
         program: record.program,
         order: (record.order > 0).then_some(record.order),
         ended: record.ended.to_string(),
-        cycle_s: record.cycle_seconds,
-        size_mm: record.size,
-        nominal_mm: limits.map(|[nominal, ..]| nominal),
-        min_mm: limits.map(|[_, least, _]| least),
-        max_mm: limits.map(|[.., greatest]| greatest),
+        cycle_s: rounded(record.cycle_seconds),
+        size_mm: record.size.map(rounded),
+        nominal_mm: limits.map(|[nominal, ..]| rounded(nominal)),
+        min_mm: limits.map(|[_, least, _]| rounded(least)),
+        max_mm: limits.map(|[.., greatest]| rounded(greatest)),
         verdict: record.verdict.id(),
         is_bad: record.verdict.is_bad(),
         since_dressing: record.since_dressing,
-        wheel_mm: record.wheel_mm,
+        wheel_mm: record.wheel_mm.map(rounded),
         alarms: numbers.collect::<Vec<_>>().join(" "),
     };
     // Numbers that are not finite become null: nothing in it can fail.

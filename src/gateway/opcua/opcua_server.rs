@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use chrono::TimeDelta;
 use crossbeam_channel::Receiver;
 use opcua::crypto::SecurityPolicy;
 use opcua::nodes::Event;
@@ -205,7 +206,7 @@ impl OpcUaServer {
                     }
                 }
             }
-            if running.clock.is_wrong() || idle.is_over(running) {
+            if running.clock.is_wrong() || running.control_set_back.get() || idle.is_over(running) {
                 return Ended::Renew;
             }
         }
@@ -288,6 +289,10 @@ struct Running {
     reported_at: Cell<Option<Instant>>,
     /// The newest time of values: the library holds those with an older one back.
     newest_source: Cell<DateTime>,
+    /// The clock of the control is behind by this.
+    lag: Cell<TimeDelta>,
+    /// The clock of the control was set back.
+    control_set_back: Cell<bool>,
     folder: PathBuf,
     /// Orders that clients hand in.
     calls: Receiver<OrderCall>,
@@ -325,6 +330,8 @@ impl Running {
             clock: SteadyClock::new(),
             reported_at: Cell::default(),
             newest_source: Cell::new(DateTime::null()),
+            lag: Cell::default(),
+            control_set_back: Cell::default(),
             folder,
             calls,
             waiting: RefCell::default(),
@@ -464,8 +471,15 @@ impl Running {
         variables: impl Iterator<Item = (&'a NodeId, Option<Option<Variant>>)>,
     ) {
         let now = self.clock.now();
-        // The clock of the control may be ahead of this one, or may have been set back.
-        let source = state.map_or(now, time_of).min(now).max(self.newest_source.get());
+        // The clock of a control on another computer may be behind this one or ahead of it, or may have been set back.
+        let told = state
+            .map_or_else(|| now.as_chrono() - self.lag.get(), |state| time_of(state).as_chrono())
+            .min(now.as_chrono());
+        let newest = self.newest_source.get().as_chrono();
+        let is_back = newest - told > TimeDelta::from_std(CLOCK_TOLERANCE).unwrap_or_default();
+        self.control_set_back.set(is_back && state.is_some() && self.newest_source.get() != DateTime::null());
+        self.lag.set(now.as_chrono() - told);
+        let source = DateTime::from(told.max(newest));
         self.newest_source.set(source);
         let values = variables.map(|(id, told)| {
             let status = match &told {

@@ -4,6 +4,7 @@
 use egui::{Color32, Rect, vec2};
 
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
+use crate::defs::date::DateTime;
 use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
 use crate::link::condition::{Condition, level};
 use crate::link::data_item::{Category, DataItem, data_items};
@@ -157,18 +158,24 @@ fn opcua_lines<'a>(view: &View<'a>, server: &OpcUaView) -> ServiceLines<'a> {
     ServiceLines {
         name: "OPC UA",
         is_up,
-        address: server.address.clone(),
+        // Its scheme is known; the place is small.
+        address: server.address.trim_start_matches("opc.tcp://").trim_end_matches('/').to_owned(),
         state,
-        counts: (view.text("未信任的证书", "certificates that nobody has trusted"), server.untrusted.to_string()),
-        tls: is_up.then(|| tls_line(view, server.tls)),
+        counts: (view.text("未信任的证书", "untrusted certificates"), server.untrusted.to_string()),
+        tls: server.certificate_until.map(|end| until_line(view, view.text("证书至", "certificate until"), end)),
     }
 }
 
 /// Until when the certificates of encrypted connections are valid; what ends soon is marked.
 fn tls_line(view: &View<'_>, tls: TlsView) -> (String, Color32) {
-    let Some(end) = tls.valid_until else {
-        return ("TLS".to_owned(), view.theme.text);
-    };
+    match tls.valid_until {
+        Some(end) => until_line(view, view.text("TLS 证书至", "TLS until"), end),
+        None => ("TLS".to_owned(), view.theme.text),
+    }
+}
+
+/// The end of a certificate behind some words.
+fn until_line(view: &View<'_>, words: &str, end: DateTime) -> (String, Color32) {
     let [year, month, day, ..] = end.parts();
     let left = view.snapshot.date.map(|now| end.0 - now.0);
     let ink = match left {
@@ -176,7 +183,6 @@ fn tls_line(view: &View<'_>, tls: TlsView) -> (String, Color32) {
         Some(..=SOON) => view.theme.hold,
         _ => view.theme.text,
     };
-    let words = view.text("TLS 证书至", "TLS until");
     (format!("{words} {year}-{month:02}-{day:02}"), ink)
 }
 

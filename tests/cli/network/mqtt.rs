@@ -94,7 +94,7 @@ impl Site {
         self.until("a birth", |site| site.births().len() > births);
     }
 
-    fn topics(&self) -> Vec<&str> {
+    pub fn topics(&self) -> Vec<&str> {
         self.broker.sent.iter().map(|sent| sent.topic.as_str()).collect()
     }
 
@@ -465,7 +465,7 @@ fn no_broker_and_bad_settings_are_said_with_their_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let mut site = Site::without_settings(TestBroker::new(), folder);
     for (settings, said) in [
-        (None, "mqtt.ron is missing"),
+        (None, "no mqtt.ron in the data directory"),
         (Some("(broker: \"\")"), "broker is a name"),
         (Some("(broker: \"a b\")"), "broker is a name"),
         (Some("(broker: \"broker:99999\")"), "broker is a name"),
@@ -509,6 +509,37 @@ fn an_encrypted_connection_needs_a_broker_that_proves_itself() {
     let mut site = Site::with(TestBroker::encrypted(&certificates()), "");
     site.until("no answer", |site| !failure(site).is_empty());
     assert!(!failure(&site).contains("P482"), "{}", failure(&site));
+}
+
+/// An authority and a broker's certificate that is valid from the begin of one year to the begin of another.
+fn certificates_of(from: i32, until: i32) -> tempfile::TempDir {
+    let (folder, [authority_key, key]) =
+        (tempfile::tempdir().unwrap(), [(); 2].map(|()| rcgen::KeyPair::generate().unwrap()));
+    let mut authority = rcgen::CertificateParams::new(Vec::new()).unwrap();
+    authority.is_ca = rcgen::IsCa::Ca(rcgen::BasicConstraints::Unconstrained);
+    let mut params = rcgen::CertificateParams::new(vec!["127.0.0.1".to_owned(), "localhost".to_owned()]).unwrap();
+    (params.not_before, params.not_after) = (rcgen::date_time_ymd(from, 1, 1), rcgen::date_time_ymd(until, 1, 1));
+    let own = authority.self_signed(&authority_key).unwrap();
+    let broker = params.signed_by(&key, &rcgen::Issuer::new(authority, authority_key)).unwrap();
+    let files = [("ca.pem", own.pem()), ("broker.pem", broker.pem()), ("broker.key", key.serialize_pem())];
+    files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).unwrap());
+    folder
+}
+
+/// One that has ended, and one that begins later: the clock of the control may have been set back.
+#[test]
+fn a_certificate_out_of_its_time_is_refused_with_the_reason() {
+    for (from, until) in [(2_020, 2_021), (2_090, 2_091), (2_020, 2_091)] {
+        let made = certificates_of(from, until);
+        let mut site = Site::with(TestBroker::encrypted(made.path()), "tls: Some((ca: \"ca.pem\")),");
+        std::fs::copy(made.path().join("ca.pem"), site.folder.path().join("ca.pem")).unwrap();
+        if until - from > 1 {
+            site.until_born();
+        } else {
+            site.until("the reason", |site| failure(site).contains("not valid now: check this clock and its dates"));
+            assert_eq!(site.births().len(), 0);
+        }
+    }
 }
 
 #[test]

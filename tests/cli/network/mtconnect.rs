@@ -123,7 +123,7 @@ fn words_and_numbers_are_those_of_the_standard() {
         snapshot.production.parts = PartHistory::new([part(7, PartVerdict::Good), part(8, verdict)], 1);
         assert_eq!(value(&snapshot, "part_status"), word);
         assert_eq!((value(&snapshot, "part_id"), value(&snapshot, "part_size")), ("8".into(), "39.9985".into()));
-        let limits = ["part_nominal", "part_least", "part_greatest"].map(|id| value(&snapshot, id));
+        let limits = ["part_nominal", "part_lower_limit", "part_upper_limit"].map(|id| value(&snapshot, id));
         assert_eq!(limits, ["40", "39.995", "40"]);
         let others = ["part_time", "part_wheel", "part_alarms", "part_order"].map(|id| value(&snapshot, id));
         assert_eq!(others, ["27.02", "598.4", "103", "UNAVAILABLE"]);

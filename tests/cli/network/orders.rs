@@ -93,12 +93,18 @@ fn an_order_of_the_shop_is_proposed_once_and_the_list_is_told() {
         ("{\"order\": 701, \"program\": 1002, \"parts\": 50, \"start\": true}", "unknown field"),
         ("{\"order\": -1}", "invalid value"),
         ("M03 S1000", "expected value"),
-        ("", "EOF"),
+        (" ", "EOF"),
     ] {
         let answer = ask(&mut site, bad);
         assert!(answer["proposed"] == false && answer["why"].as_str().unwrap().contains(why), "{bad}: {answer}");
     }
     assert!(proposed.is_empty(), "nothing else reaches the control");
+    // An empty message takes back what a broker was to keep: it is no order, and is not answered.
+    let answers = |site: &Site| site.topics().iter().filter(|topic| topic.ends_with("order/answer")).count();
+    let before = answers(&site);
+    site.broker.publish(&format!("kt830/hall 2/{NODE}/order"), Vec::new());
+    site.steps(100);
+    assert_eq!(answers(&site), before);
     // One a second; and the control does not take them: no more than the channel has room for.
     let answered: Vec<bool> = (0..4).map(|_| ask(&mut site, good)["proposed"] == true).collect();
     assert_eq!(answered, [true, false, false, false]);
