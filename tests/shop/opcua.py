@@ -372,7 +372,8 @@ def report():
     """What a control is told of the server: a control of our own hears it."""
     welcome = (
         "* uuid: kt830-gc-000007\n* serialNumber: 000007\n* description: KT-830\n"
-        "2026-11-30T08:00:00.000000Z|avail|AVAILABLE|execution|READY\n2026-11-30T08:00:00.000000Z|c_system|NORMAL||||\n")
+        "2026-11-30T08:00:00.000000Z|avail|AVAILABLE|execution|READY\n2026-11-30T08:00:00.000000Z|message||\n"
+        "2026-11-30T08:00:00.000000Z|c_system|NORMAL||||\n")
     with socket.create_server(("127.0.0.1", ADAPTER + 100)) as listener:
         words = ["opcua", "serve", "--control", f"127.0.0.1:{ADAPTER + 100}", "--listen", f"127.0.0.1:{PORT + 100}", *data]
         other = subprocess.Popen([program, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
