@@ -4,7 +4,7 @@
 //! Files: `adapter_state` what the control tells, `adapter_client` the connection to it, `machine_tool` the machine in the
 //! address space, `production_plan` its orders, `node_builder` how nodes are made, `node_manager` the address space,
 //! `alert_event` alarms and messages, `order_desk` orders on their way to the control, `accounts` users, `certificates`,
-//! `gatekeeper` what stands before the library, `log`.
+//! `gatekeeper` what stands before the library, `source_clock` the times of values, `log`.
 //! Source: OPC 10000 (OPC UA), OPC 40501-1 (machine tools).
 
 #[cfg(feature = "opcua")]
@@ -32,6 +32,8 @@ mod opcua_server;
 mod order_desk;
 #[cfg(feature = "opcua")]
 mod production_plan;
+#[cfg(feature = "opcua")]
+mod source_clock;
 
 #[cfg(feature = "opcua")]
 pub use accounts::Users;

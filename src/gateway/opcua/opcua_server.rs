@@ -6,9 +6,8 @@ use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
-use chrono::TimeDelta;
 use crossbeam_channel::Receiver;
 use opcua::crypto::SecurityPolicy;
 use opcua::nodes::Event;
@@ -31,6 +30,7 @@ use super::log::log_line;
 use super::machine_tool::MachineNodes;
 use super::node_manager::{EventFields, MachineBuilder, MachineNodeManager};
 use super::order_desk::{MOST_WAITING, OrderCall, OrderDesk};
+use super::source_clock::SourceClock;
 use crate::gateway::opcua_report::OpcUaReport;
 
 /// Time between two trials to reach the control.
@@ -49,8 +49,6 @@ const LOOK_INTERVAL: Duration = Duration::from_secs(5);
 const WELCOME_TIME: Duration = Duration::from_secs(10);
 /// After the last part of a welcome its alarms have come, too.
 const SETTLING_TIME: Duration = Duration::from_millis(500);
-/// The clock of the system may be so far from the one that runs on before the server begins anew with it.
-const CLOCK_TOLERANCE: Duration = Duration::from_secs(2);
 
 /// How a server is to be.
 #[derive(Clone, Debug)]
@@ -206,43 +204,12 @@ impl OpcUaServer {
                     }
                 }
             }
-            if running.clock.is_wrong() || running.control_set_back.get() || idle.is_over(running) {
+            if running.clock.is_wrong() || idle.is_over(running) {
                 return Ended::Renew;
             }
         }
         Ended::Over
     }
-}
-
-/// A clock that never runs back.
-struct SteadyClock {
-    wall: Duration,
-    begun: Instant,
-}
-
-impl SteadyClock {
-    fn new() -> Self {
-        Self { wall: time_of_day(), begun: Instant::now() }
-    }
-
-    fn elapsed(&self) -> Duration {
-        self.wall + self.begun.elapsed()
-    }
-
-    fn now(&self) -> DateTime {
-        let time = self.elapsed();
-        let seconds = i64::try_from(time.as_secs()).unwrap_or(0);
-        chrono::DateTime::from_timestamp(seconds, time.subsec_nanos()).map_or_else(DateTime::now, DateTime::from)
-    }
-
-    /// Whether the clock of the system was set meanwhile.
-    fn is_wrong(&self) -> bool {
-        self.elapsed().abs_diff(time_of_day()) > CLOCK_TOLERANCE
-    }
-}
-
-fn time_of_day() -> Duration {
-    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
 }
 
 /// Name of the application, as its certificate has it.
@@ -284,15 +251,9 @@ struct Running {
     gate: JoinHandle<()>,
     manager: Arc<MachineNodeManager>,
     nodes: Arc<MachineNodes>,
-    clock: SteadyClock,
+    clock: SourceClock,
     /// When the control was told how the server does.
     reported_at: Cell<Option<Instant>>,
-    /// The newest time of values: the library holds those with an older one back.
-    newest_source: Cell<DateTime>,
-    /// The clock of the control is behind by this.
-    lag: Cell<TimeDelta>,
-    /// The clock of the control was set back.
-    control_set_back: Cell<bool>,
     folder: PathBuf,
     /// Orders that clients hand in.
     calls: Receiver<OrderCall>,
@@ -327,11 +288,8 @@ impl Running {
             gate,
             manager,
             nodes,
-            clock: SteadyClock::new(),
+            clock: SourceClock::new(),
             reported_at: Cell::default(),
-            newest_source: Cell::new(DateTime::null()),
-            lag: Cell::default(),
-            control_set_back: Cell::default(),
             folder,
             calls,
             waiting: RefCell::default(),
@@ -454,33 +412,20 @@ impl Running {
             state.orders().clone_into(&mut jobs);
         }
         let values = self.nodes.plan.values(&jobs);
-        self.set(state, values.iter().map(|(id, value)| (id, state.map(|_| Some(value.clone())))));
+        let source = self.clock.of_no_tick();
+        self.set(source, values.iter().map(|(id, value)| (id, state.map(|_| Some(value.clone())))));
     }
 
     /// Shows the values of a control, or that there is none.
     fn show(&self, state: Option<&AdapterState>) {
         let variables = self.nodes.variables.iter();
-        self.set(state, variables.map(|variable| (&variable.id, state.map(|state| (variable.read)(state)))));
+        let source = state.map_or_else(|| self.clock.of_no_tick(), |state| self.clock.of_tick(time_of(state)));
+        self.set(source, variables.map(|variable| (&variable.id, state.map(|state| (variable.read)(state)))));
     }
 
-    /// Sets variables: none without a control, and none in that where nothing is known. They are as old as the tick that
-    /// the control has told them of.
-    fn set<'a>(
-        &self,
-        state: Option<&AdapterState>,
-        variables: impl Iterator<Item = (&'a NodeId, Option<Option<Variant>>)>,
-    ) {
+    /// Sets variables: none without a control, and none in that where nothing is known.
+    fn set<'a>(&self, source: DateTime, variables: impl Iterator<Item = (&'a NodeId, Option<Option<Variant>>)>) {
         let now = self.clock.now();
-        // The clock of a control on another computer may be behind this one or ahead of it, or may have been set back.
-        let told = state
-            .map_or_else(|| now.as_chrono() - self.lag.get(), |state| time_of(state).as_chrono())
-            .min(now.as_chrono());
-        let newest = self.newest_source.get().as_chrono();
-        let is_back = newest - told > TimeDelta::from_std(CLOCK_TOLERANCE).unwrap_or_default();
-        self.control_set_back.set(is_back && state.is_some() && self.newest_source.get() != DateTime::null());
-        self.lag.set(now.as_chrono() - told);
-        let source = DateTime::from(told.max(newest));
-        self.newest_source.set(source);
         let values = variables.map(|(id, told)| {
             let status = match &told {
                 None => StatusCode::BadNoCommunication,

@@ -1,9 +1,12 @@
 //! The network: what MTConnect agents, browsers and brokers are told, and that nothing which they do reaches the control.
 //! Source: docs/manual, chapter "network"; ANSI/MTC1.4.
 
+mod broker_faults;
 mod mqtt;
 mod mtconnect;
 mod orders;
+mod results;
+mod site;
 mod test_broker;
 mod web_view;
 

@@ -11,7 +11,7 @@ use kt830::link::production::OrderProposal;
 use kt830::link::screens::{Picture, ScreenFiles, Screens};
 use kt830::link::snapshot::DirectoryRow;
 
-use super::mqtt::{NODE, Site};
+use super::site::{NODE, Site};
 use super::test_broker::{Manners, TestBroker};
 use super::{Shop, set};
 
