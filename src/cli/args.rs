@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 
 use crate::defs::date::DateTime;
+use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -60,6 +61,9 @@ pub struct SharedArgs {
     /// Brightness of the picture in percent, as set on the machine.
     #[arg(skip = 100)]
     pub brightness: u8,
+    /// What the home page keeps, as set on the machine.
+    #[arg(skip)]
+    pub favourites: Vec<Favourite>,
     /// Set a parameter, for example P270=0; may be repeated
     #[arg(long = "param", global = true, value_name = "P=VALUE", value_parser = param)]
     pub params: Vec<(ParamAddress, f64)>,

@@ -71,6 +71,7 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
     shared.kind = shared.requested_kind.or(stored.kind).unwrap_or_default();
     shared.lang = shared.requested_lang.or(stored.lang).unwrap_or_default();
     shared.light = stored.light.unwrap_or_default();
+    shared.favourites = stored.favourites;
     shared.brightness = stored.brightness.unwrap_or(shared.brightness);
     Ok(shared)
 }

@@ -50,6 +50,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     // A page may send requests when it opens: the drawing its toolpath, the transfer page its media.
     let mut hmi = Hmi::new(shared.lang);
     hmi.set_light(shared.light || call.light);
+    hmi.set_favourites(shared.favourites.clone());
     let mut stage = OffscreenHmi::new(hmi, call.size);
     for _ in 0..SETTLE_TICKS {
         let commands = stage.frame(host.snapshot());

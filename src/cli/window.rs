@@ -121,7 +121,9 @@ fn open_with<P: HostedMachine + Send + 'static>(
 /// There is no display.
 pub fn show(link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
     guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
-    let options = WindowOptions { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness };
+    let favourites = shared.favourites.clone();
+    let SharedArgs { lang, light, brightness, .. } = *shared;
+    let options = WindowOptions { fullscreen, lang, light, brightness, favourites };
     match run(Box::new(link), options) {
         Ok(()) => Ok(SUCCESS),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(

@@ -10,6 +10,7 @@ pub mod device_state;
 pub mod dialect;
 pub mod dialect_word;
 pub mod equipment;
+pub mod favourite;
 pub mod fitted;
 pub mod gcode;
 pub mod grinding_phase;

@@ -143,7 +143,7 @@ pages! {
         "点一项键入，按输入；材料点一下换下一种。采用 把建议值写到磨削页面，点一行只写一项。工件尺寸取自磨削页面。", "Touch a field, type, INPUT; a touch on the material takes the next one. TAKE OVER writes the proposals to the grinding page, a touch on a row only that one. The part's sizes are those of the grinding page.";
     Home = "home", ANY, "总览", "overview", row 4, key 4 4 "总览" "OVERVIEW",
         "一眼看到的：位置、程序、工件、砂轮、修整、报警，旁边是工作中的机床。", "At a glance: position, program, parts, wheel, dressing, alarms; beside them the machine at work.",
-        "点一块打开它的页面；触摸最上面的标题从任何页面到这里。", "Touch a tile to open its page; a touch of the title at the top comes here from any page.";
+        "点一块打开它的页面；触摸最上面的标题从任何页面到这里。下面一排是收藏，在查找里按 收藏 放上或取下。", "Touch a tile to open its page; a touch of the title at the top comes here from any page. The row below holds favourites: KEEP in the search puts them there and takes them away.";
     Scope = "scope", ANY, "示波器", "scope", row 4, key 4 5 "示波器" "SCOPE",
         "逐周期记录最多四个信号：各轴设定值、实际值、跟随误差、速度，进给、转速，任一输入输出。", "Up to four signals, cycle by cycle: set-point, position, following error and speed of each axis, feed, rotation, any input or output.",
         "点左边的名称选信号；记录 立即开始，或由第一个信号的上升、下降触发。点曲线放游标，双指缩放时间，放大后拖动；存为 CSV。带 Ø 的是直径值。", "Touch a name on the left to choose its signal; RECORD starts at once, or when the first signal rises or falls through the level. A touch on the curves sets the cursor; pinch to zoom, then drag; SAVE CSV. A unit with Ø counts diameters.";
@@ -158,5 +158,5 @@ pages! {
         "面板在屏幕右侧（竖屏在下方），各键的作用见“按键”。", "It is to the right of the page, on a portrait display below it; see KEYS for each key.";
     Help = "help", ANY, "帮助", "help", row 3, key 3 5 "帮助" "HELP",
         "按键、软键、报警、G 和 M 代码、参数的说明；查找也找变量和程序。", "Help on keys, soft keys, alarms, G and M codes and parameters; its search also finds variables and programs.",
-        "上面选类别，左边选条目，右边长的说明可以拖动；打开 转到所在的页面。任何页面按 ? 或 F12 打开，先显示该页面；放大镜直接查找。", "Choose a section above and an entry on the left; OPEN goes to its page. ? or F12 opens the help on any page, starting with that page; the magnifier opens its search.";
+        "上面选类别，左边选条目，右边长的说明可以拖动；打开 转到所在的页面，收藏 把它放到总览页。任何页面按 ? 或 F12 打开，先显示该页面；放大镜直接查找。", "Choose a section above and an entry on the left; OPEN goes to its page, KEEP puts it on the overview. ? or F12 opens the help on any page, starting with that page; the magnifier opens its search.";
 }

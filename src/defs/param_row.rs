@@ -76,15 +76,14 @@ pub fn rows(machine: impl Into<Fitted>) -> Vec<ParamRow> {
         let shown = row(number.address(), number.name.into(), range, number.level, ParamType::Number);
         ParamRow { unit: number.unit, ..shown }
     });
-    let port = |number, name: Text, way: Text, sort| {
-        let name = LocalizedText::new(format!("{}：{}", way.zh, name.zh), format!("{}: {}", way.en, name.en));
+    let port = |number, name, sort| {
         row(ParamAddress { number, bit: None }, name, (0.0, f64::from(PORTS)), AccessLevel::Builder, sort)
     };
-    let (into, out_of) = (Text::new("输入口", "input port"), Text::new("输出口", "output port"));
     let inputs = Input::ALL.iter().filter(|input| input.exists_on(machine));
-    let inputs = inputs.map(|input| port(input.port_param(), input.name(), into, ParamType::Input(*input)));
+    let inputs = inputs.map(|input| port(input.port_param(), input_port_name(*input), ParamType::Input(*input)));
     let outputs = Output::ALL.iter().filter(|output| output.exists_on(machine));
-    let outputs = outputs.map(|output| port(output.port_param(), output.name(), out_of, ParamType::Output(*output)));
+    let outputs =
+        outputs.map(|output| port(output.port_param(), output_port_name(*output), ParamType::Output(*output)));
     let mut numbers: Vec<ParamRow> = numbers.collect();
     let mut ports: Vec<ParamRow> = inputs.chain(outputs).collect();
     numbers.sort_by_key(|row| row.address);
@@ -92,6 +91,35 @@ pub fn rows(machine: impl Into<Fitted>) -> Vec<ParamRow> {
     rows.append(&mut numbers);
     rows.append(&mut ports);
     rows
+}
+
+fn input_port_name(input: Input) -> LocalizedText {
+    port_name(Text::new("输入口", "input port"), input.name())
+}
+
+fn output_port_name(output: Output) -> LocalizedText {
+    port_name(Text::new("输出口", "output port"), output.name())
+}
+
+fn port_name(way: Text, name: Text) -> LocalizedText {
+    LocalizedText::new(format!("{}：{}", way.zh, name.zh), format!("{}: {}", way.en, name.en))
+}
+
+/// The name of a parameter of what a machine is fitted with; `None` if it has none there.
+#[must_use]
+pub fn name_of(at: ParamAddress, machine: impl Into<Fitted>) -> Option<LocalizedText> {
+    let machine = machine.into();
+    if let Some(bit) = at.bit {
+        let row = BITS.iter().find(|row| (row.number, row.bit) == (at.number, bit) && machine.meets(row.needs))?;
+        return Some(row.name.into());
+    }
+    let number = NUMBERS.iter().find(|row| row.number == at.number && machine.meets(row.needs));
+    let input = || Input::ALL.iter().find(|input| input.port_param() == at.number && input.exists_on(machine));
+    let output = || Output::ALL.iter().find(|output| output.port_param() == at.number && output.exists_on(machine));
+    number
+        .map(|row| row.name.into())
+        .or_else(|| input().map(|input| input_port_name(*input)))
+        .or_else(|| output().map(|output| output_port_name(*output)))
 }
 
 /// The address of every parameter, also of devices that a machine lacks: a backup has them all.

@@ -16,6 +16,7 @@ use super::panel::layout::panel_layout;
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
 use super::{EditKey, KeyboardInput, View, aside, blink_phase, clock_time, file_command, keyboard};
+use crate::defs::favourite::Favourite;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param;
@@ -48,6 +49,7 @@ pub struct Hmi {
     /// The help over a page.
     help: Help,
     help_open: bool,
+    favourites: Arc<[Favourite]>,
     hint: Option<(Text, f64)>,
     closing: Closing,
     /// The window was asked to close since the last frame.
@@ -63,6 +65,7 @@ pub struct Hmi {
 struct FrameScratch {
     theme: Theme,
     clock: String,
+    favourites: Arc<[Favourite]>,
     entry: Cell<Option<Rect>>,
 }
 
@@ -81,6 +84,7 @@ impl Hmi {
             presses: KeyPresses::default(),
             help: Help::default(),
             help_open: false,
+            favourites: Arc::default(),
             hint: None,
             closing: Closing::default(),
             close_asked: false,
@@ -99,6 +103,11 @@ impl Hmi {
     pub const fn set_light(&mut self, light: bool) {
         self.light = light;
         self.theme = if light { theme::LIGHT } else { theme::DARK };
+    }
+
+    /// What the home page keeps.
+    pub fn set_favourites(&mut self, favourites: Vec<Favourite>) {
+        self.favourites = favourites.into();
     }
 
     /// The colour that the window is cleared with; a frame does not paint it again.
@@ -157,7 +166,8 @@ impl Hmi {
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
         let (ui, mut out) = (&*ui, Vec::new());
         self.record(snapshot);
-        let frame = FrameScratch { theme: self.theme, clock: clock_time(snapshot), entry: Cell::new(None) };
+        let favourites = Arc::clone(&self.favourites);
+        let frame = FrameScratch { theme: self.theme, clock: clock_time(snapshot), favourites, entry: Cell::new(None) };
         let view = self.view(ui, snapshot, &frame);
         self.follow_snapshot(&view);
         let regions = Regions::new(ui.max_rect());
@@ -180,14 +190,7 @@ impl Hmi {
         }
         if self.help_open {
             let touch = self.help.overlay(&view, content.shrink(theme::GAP), &asked);
-            self.help_open = touch.is_none();
-            if let Some(HelpTouch::Open((page, what))) = touch {
-                self.pages.hand_over(what);
-                match page == snapshot.page {
-                    true => self.pages.open(&view),
-                    false => out.push(Command::OpenPage(page)),
-                }
-            }
+            self.handle_help(&view, touch, &mut out);
         } else {
             self.draw_page(content, &view, &asked, &mut out);
         }
@@ -209,10 +212,10 @@ impl Hmi {
 
     /// What the pages draw from in this frame.
     fn view<'a>(&self, ui: &'a Ui, snapshot: &'a Snapshot, frame: &'a FrameScratch) -> View<'a> {
-        let FrameScratch { theme, clock, entry } = frame;
+        let FrameScratch { theme, clock, favourites, entry } = frame;
         let (painter, blink) = (ui.painter().clone(), blink_phase(snapshot.now));
         let Self { lang, light, brightness, .. } = *self;
-        View { ui, painter, snapshot, lang, theme, light, brightness, clock, blink, entry }
+        View { ui, painter, snapshot, lang, theme, light, brightness, favourites, clock, blink, entry }
     }
 
     /// Reacts to a new page, program or picture in the snapshot.
@@ -253,15 +256,41 @@ impl Hmi {
         }
         let texture = self.picture.as_ref().map(|(_, _, texture)| texture.id());
         let commands = self.pages.ui(rect, view, typed, texture);
-        for command in &commands {
+        self.follow_settings(&commands);
+        out.extend(commands);
+    }
+
+    /// The touch of the help overlay: it stays open while favourites are chosen.
+    fn handle_help(&mut self, view: &View<'_>, touch: Option<HelpTouch>, out: &mut Vec<Command>) {
+        self.help_open = matches!(touch, None | Some(HelpTouch::Keep(_)));
+        match touch {
+            Some(HelpTouch::Open((page, what))) => {
+                self.pages.hand_over(what);
+                match page == view.snapshot.page {
+                    true => self.pages.open(view),
+                    false => out.push(Command::OpenPage(page)),
+                }
+            }
+            Some(HelpTouch::Keep(favourites)) => {
+                let commands = [Command::Page(PageCommand::SetFavourites(favourites))];
+                self.follow_settings(&commands);
+                out.extend(commands);
+            }
+            Some(HelpTouch::Close) | None => {}
+        }
+    }
+
+    /// The screen follows what is set on it at once.
+    fn follow_settings(&mut self, commands: &[Command]) {
+        for command in commands {
             match command {
                 Command::Page(PageCommand::SetLang(lang)) => self.lang = *lang,
                 Command::Page(PageCommand::SetLightTheme(light)) => self.set_light(*light),
                 Command::Page(PageCommand::SetBrightness(percent)) => self.set_brightness(*percent),
+                Command::Page(PageCommand::SetFavourites(favourites)) => self.set_favourites(favourites.clone()),
                 _ => {}
             }
         }
-        out.extend(commands);
     }
 
     fn draw_frame(&mut self, regions: &Regions, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
@@ -374,7 +403,7 @@ fn load_picture(
     picture: &Arc<Picture>,
     light: bool,
 ) -> Option<(Arc<Picture>, bool, TextureHandle)> {
-    let mut rgb = image::load_from_memory_with_format(&picture.0, image::ImageFormat::Png).ok()?.into_rgb8();
+    let mut rgb = image::load_from_memory_with_format(&picture.0, image::ImageFormat::Bmp).ok()?.into_rgb8();
     if light {
         theme::for_light_theme(&mut rgb);
     }

@@ -14,6 +14,7 @@ use egui::{
 use super::Area;
 use super::theme::{self, Theme};
 use crate::defs::date::DateTime;
+use crate::defs::favourite::Favourite;
 use crate::defs::page_text::PageTextRow;
 use crate::defs::text::{Lang, Text};
 use crate::defs::variable_name;
@@ -40,6 +41,8 @@ pub struct View<'a> {
     pub light: bool,
     /// Brightness of the picture, percent.
     pub brightness: u8,
+    /// What the home page keeps.
+    pub favourites: &'a [Favourite],
     /// Time of day as shown.
     pub clock: &'a str,
     /// The lit half of the 1 Hz blink.

@@ -14,6 +14,7 @@ use super::app::Hmi;
 use super::core_fault::{CoreHealth, paint_core_fault};
 use super::repaint::LiveScreen;
 use super::theme;
+use crate::defs::favourite::Favourite;
 use crate::defs::text::Lang;
 use crate::link::{Command, Snapshot};
 
@@ -41,7 +42,7 @@ pub trait CoreConnection: Send {
 }
 
 /// How the window opens.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct WindowOptions {
     /// Full screen; otherwise a window of 1024 × 768 points.
     pub fullscreen: bool,
@@ -51,6 +52,8 @@ pub struct WindowOptions {
     pub light: bool,
     /// Brightness of the picture, percent.
     pub brightness: u8,
+    /// What the home page keeps.
+    pub favourites: Vec<Favourite>,
 }
 
 /// Why the window could not be opened.
@@ -90,6 +93,7 @@ pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
             let mut hmi = Hmi::new(options.lang);
             hmi.set_light(options.light);
             hmi.set_brightness(options.brightness);
+            hmi.set_favourites(options.favourites);
             hmi.install(&context.egui_ctx);
             core.lock().unwrap_or_else(PoisonError::into_inner).window_opened();
             let screen = Arc::new(Mutex::new(LiveScreen::new(hmi)));

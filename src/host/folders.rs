@@ -1,19 +1,19 @@
-//! Reads the folders of programs and page files: splits programs into lines, parses page texts, decodes pictures.
+//! Reads the folders of programs and page files: splits programs into lines, parses page texts, checks pictures.
 //! Runs on the disk thread or before a headless run, never in the tick.
 //! Source: spec B1, K5.12, K7.3, K7.4.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
 use chrono::{DateTime, Local};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ImageError, ImageFormat, ImageReader};
+use image::{ImageFormat, ImageReader};
 use ropey::Rope;
 
 use super::picture_labels::{PICTURE_SIZE, parse_picture_labels};
-use super::shipped::{SHIPPED, Shipped};
+use super::shipped::{SHIPPED, Shipped, shipped_picture};
 use crate::controller::{FilePart, Programs, StoredProgram};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
@@ -493,7 +493,7 @@ fn picture_labels(folder: &Folder, number: u32) -> Result<Vec<PictureLabel>, Fil
     parse_picture_labels(&found.name, &found.bytes)
 }
 
-/// Checks and decodes a page picture: BMP, 200 × 400 pixels, 24 bit, uncompressed: 240 054 bytes, and padding behind
+/// Checks a page picture: BMP, 200 × 400 pixels, 24 bit, uncompressed: 240 054 bytes, and padding behind
 /// the pixels (K5.12).
 ///
 /// # Errors
@@ -525,15 +525,13 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
         let en = format!("the file has only {size} bytes of {needed}: the copy is not complete");
         return Err(file_fault(name, format!("文件只有 {size} 字节，应有 {needed} 字节 (234K)：拷贝不完整"), en));
     }
-    let damaged =
-        |error: ImageError| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}"));
-    let decoded = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Bmp).decode().map_err(damaged)?;
-    let mut png = Vec::new();
-    // One filter for all lines: as small as with one chosen for each, in a quarter of the time of each start.
-    let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Paeth);
-    decoded.to_rgb8().write_with_encoder(encoder).map_err(damaged)?;
-    png.shrink_to_fit();
-    Ok(Picture(png))
+    if let Some(shipped) = shipped_picture(name).filter(|shipped| *shipped == bytes) {
+        return Ok(Picture(Cow::Borrowed(shipped)));
+    }
+    ImageReader::with_format(Cursor::new(bytes), ImageFormat::Bmp)
+        .decode()
+        .map_err(|error| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}")))?;
+    Ok(Picture(Cow::Owned(bytes.to_vec())))
 }
 
 #[cfg(test)]

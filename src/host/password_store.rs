@@ -163,6 +163,7 @@ impl PasswordStore {
             SettingsRequest::SaveLightTheme(light) => self.update_settings(|settings| settings.light = Some(*light))?,
             SettingsRequest::SaveBrightness(percent) => self.update_settings(|to| to.brightness = Some(*percent))?,
             SettingsRequest::SaveSerialPort(port) => self.update_settings(|to| to.serial = Some(port.clone()))?,
+            SettingsRequest::SaveFavourites(kept) => self.update_settings(|to| to.favourites.clone_from(kept))?,
             SettingsRequest::SaveLang(lang) => self.update_settings(|settings| settings.lang = Some(*lang))?,
         }
         Ok(StorageAnswer::LangSaved)

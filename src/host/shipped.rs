@@ -30,6 +30,11 @@ macro_rules! shipped {
     };
 }
 
+/// The shipped picture of this name.
+pub(super) fn shipped_picture(name: &str) -> Option<&'static [u8]> {
+    SHIPPED.iter().find(|(path, _)| path.strip_prefix("screens/") == Some(name)).map(|(_, bytes)| *bytes)
+}
+
 shipped! {
     pages "001" "002" "003" "004" "005" "006" "007" "008" "009" "010" "011" "012" "013" "014" "015" "016" "017" "018" "019"
         "020";

@@ -7,6 +7,7 @@ use std::fmt;
 use super::files::{FileAnswer, FileRequest, Ticket};
 use super::scope::ScopeCommand;
 use crate::defs::date::DateTime;
+use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{AccessLevel, ParamAddress};
@@ -154,6 +155,8 @@ pub enum PageCommand {
     SetBrightness(u8),
     /// Selects the RS232 port, from now on.
     SetSerialPort(String),
+    /// Sets what the home page keeps, now and at the next start.
+    SetFavourites(Vec<Favourite>),
     /// The present machine coordinate of an axis is its dressing point (K4.2). The page has asked, with this coordinate as
     /// displayed; an axis that has moved since is refused.
     TakeDressPoint(Axis, f64),
@@ -195,6 +198,8 @@ pub enum SettingsRequest {
     SaveBrightness(u8),
     /// Saves the RS232 port.
     SaveSerialPort(String),
+    /// Saves what the home page keeps.
+    SaveFavourites(Vec<Favourite>),
 }
 
 /// What a typed password is.

@@ -1,6 +1,7 @@
 //! The page files of the grinding and the dressing page, as read from the disk.
 //! Source: spec K7.3, K7.4.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::defs::kind::Kind;
@@ -75,9 +76,10 @@ pub struct PictureLabel {
     pub area: (u16, u16, u16, u16),
 }
 
-/// A page picture, 200 × 400 px, 24 bit, as PNG bytes. The pictures of all programs stay in memory; one is painted.
+/// A page picture, 200 × 400 px, 24 bit: the bytes of its BMP file. The pictures of all programs stay in memory, shipped ones
+/// as they are in the program; one is painted.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture(pub Vec<u8>);
+pub struct Picture(pub Cow<'static, [u8]>);
 
 /// A fault in a file of the screens folder: file, line if known, cause and remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]

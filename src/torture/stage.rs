@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::invariants::{Invariants, Moment};
+use super::invariants::{Invariants, Moment, outputs_on};
 use super::ledger::{Ledger, first_difference, rows};
 use super::machine::WatchedMachine;
 use super::planted::{PlantedBug, Reported};
@@ -264,7 +264,8 @@ impl TortureStage {
         let reported = self.reported(waiting);
         let controller = self.host.controller();
         let machine = self.host.machine_side_ref();
-        let moment = Moment { now, commands, screen_heard, machine, controller, reported, powered };
+        let outputs_on = outputs_on(machine, controller);
+        let moment = Moment { now, commands, screen_heard, machine, outputs_on, controller, reported, powered };
         let mut holds = self.invariants.check(&moment);
         if let Some(shown) = &shown {
             holds = holds.and_then(|()| self.invariants.check_shown(shown, &moment));

@@ -69,11 +69,12 @@ pub fn picture(file: &'static str) -> Arc<Picture> {
 #[allow(clippy::unwrap_used, reason = "a test driver: a failure is the message")]
 fn read_picture(file: &str) -> Arc<Picture> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("screens").join(file);
-    let rgb = image::open(path)
-        .map_or_else(|_| image::RgbImage::from_pixel(200, 400, image::Rgb([40; 3])), |read| read.to_rgb8());
-    let mut png = Vec::new();
-    rgb.write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
-    Arc::new(Picture(png))
+    let plain = || {
+        let (rgb, mut bmp) = (image::RgbImage::from_pixel(200, 400, image::Rgb([40; 3])), Vec::new());
+        rgb.write_to(&mut std::io::Cursor::new(&mut bmp), image::ImageFormat::Bmp).unwrap();
+        bmp
+    };
+    Arc::new(Picture(std::fs::read(path).unwrap_or_else(|_| plain()).into()))
 }
 
 /// The page text of O1001 in the page designer: one variable is missing on it, one is not used.

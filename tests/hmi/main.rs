@@ -20,6 +20,7 @@ mod dressing_point;
 mod editor;
 mod english;
 mod entry;
+mod favourites;
 mod fitted;
 mod graphic;
 mod help;

@@ -87,6 +87,7 @@ impl Panel {
                 save(SettingsRequest::SaveBrightness((*percent).clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end())));
             }
             PageCommand::SetSerialPort(port) => save(SettingsRequest::SaveSerialPort(port.clone())),
+            PageCommand::SetFavourites(favourites) => save(SettingsRequest::SaveFavourites(favourites.clone())),
             PageCommand::Scope(command) => self.scope.command(parts.plant, *command),
             PageCommand::SetDate(wanted) => self.set_date(parts, *wanted),
             PageCommand::TakeDressPoint(..) | PageCommand::ClearDressPoints if parts.program.is_open() => {

@@ -1,10 +1,11 @@
-//! Home page: what matters at a glance, each as a tile that opens the page behind it; the machine at work beside them.
+//! Home page: what matters at a glance, each as a tile that opens the page behind it; the machine at work beside them, the
+//! favourites of the operator below.
 //! Source: spec H5, H7; issue "the face", part 7.
 
 use egui::{Color32, Rect};
 
 use super::start_strip::{self, StartStrip};
-use super::{PageContext, PageUi};
+use super::{PageContext, PageUi, favourites};
 use crate::defs::alarm;
 use crate::defs::equipment::Equipment;
 use crate::defs::page::Page;
@@ -44,9 +45,10 @@ struct Tile {
 
 impl PageUi for HomePage {
     fn ui(&mut self, mut ctx: PageContext<'_>) {
-        let (body, strip) = ctx.rect.split_bottom(start_strip::HEIGHT + theme::GAP);
+        let (rest, strip) = ctx.rect.split_bottom(start_strip::HEIGHT + theme::GAP);
+        let (body, kept) = rest.split_bottom(favourites::HEIGHT + theme::GAP);
         let has_wheel = ctx.view.snapshot.kind.row().has(Equipment::Wheel);
-        let inside = body.shrink(theme::PAD);
+        let inside = body.trim_sides(theme::PAD).trim_top(theme::PAD).trim_bottom(theme::GAP);
         let (tiles, machine) = inside.split_right(if has_wheel { inside.width() * SCENE_SHARE } else { 0.0 });
         let tiles = tiles.trim_right(if has_wheel { theme::PAD } else { 0.0 });
         show_tiles(tiles, ctx.view, has_wheel, ctx.out);
@@ -60,6 +62,7 @@ impl PageUi for HomePage {
                 _ => scene::paint_with_contact(inside, ctx.view, MAGNIFIER_HEIGHT),
             }
         }
+        favourites::ui(kept.trim_sides(theme::PAD).trim_bottom(theme::GAP), &mut ctx);
         self.start.ui(strip.trim_sides(theme::PAD).trim_bottom(theme::GAP), &mut ctx);
     }
 }

@@ -9,6 +9,7 @@ pub mod diagnosis;
 pub mod directory;
 pub mod dressing;
 pub mod empty;
+pub mod favourites;
 pub mod graphic;
 pub mod grinding;
 pub mod help;
@@ -234,7 +235,7 @@ page_rows! {
     Simulator => simulator::SimulatorPage, shows Inputs Simulated Scene;
     Technology => technology::TechnologyPage, shows Variables;
     Scope => scope::ScopePage, shows Scope;
-    Home => home::HomePage, shows Production PartResult Simulated Scene StartGuide;
+    Home => home::HomePage, shows Production PartResult Simulated Scene StartGuide Variables;
     Jobs => jobs::JobsPage, shows Production;
     Network => network::NetworkPage, shows Network;
     Help => help::Help;

@@ -213,7 +213,7 @@ impl VariablesPage {
         let (number, rest) = place.shrink2(vec2(8.0, 2.0)).split_left(50.0);
         view.line_left(number, &name, theme::LABEL, view.theme.muted);
         let (label, value) = rest.split_right(106.0);
-        let words = if read_only { read_only_name(view, variable) } else { label_of(view, variable) };
+        let words = if read_only { read_only_name(view, variable) } else { variable_label(view, variable) };
         view.fit_left(label.trim_right(theme::GAP), words, theme::LABEL, view.theme.text);
         let chosen = self.selected == variable;
         let typing = (chosen && !self.searching).then_some(&self.typing);
@@ -235,7 +235,7 @@ impl VariablesPage {
         } else {
             view.range_and_old(variable_entry::range(self.selected).get(view.lang), &view.variable(self.selected))
         };
-        let told = InputPrompt { label: &what, name: label_of(view, self.selected), range: &range };
+        let told = InputPrompt { label: &what, name: variable_label(view, self.selected), range: &range };
         input_line::ui_in_run(view, rect, &self.typing, &told);
     }
 }
@@ -267,7 +267,8 @@ pub fn entry_page(view: &View<'_>, variable: u16) -> Page {
     if page_rows(view).any(|row| row.variable == variable) { Page::Grinding } else { Page::Macro }
 }
 
-fn label_of<'a>(view: &View<'a>, variable: u16) -> &'a str {
+/// The label of a variable on the page of the open program; empty without one.
+pub fn variable_label<'a>(view: &View<'a>, variable: u16) -> &'a str {
     page_rows(view).find(|row| row.variable == variable).map_or("", |row| row.label_in(view.lang))
 }
 

@@ -117,7 +117,7 @@ impl LookaheadWindow {
     ///
     /// The distance to a straight move is convex: between two points it exceeds that of the points by no more than the
     /// height of the curve over its chord. To an arc it exceeds them by the height of the arc over that chord, too. Where
-    /// the nearest move changes, this holds for either move.
+    /// the nearest move changes, this holds for either move, each with its own tolerance.
     fn check_between(
         &mut self,
         k: usize,
@@ -127,27 +127,34 @@ impl LookaheadWindow {
         budget: &mut WorkBudget,
     ) {
         let [start, end] = ends;
-        let moves = [&self.band.moves[start.segment], &self.band.moves[end.segment]];
-        let tolerance = moves[0].tolerance.min(moves[1].tolerance);
         let share = self.shares_at(k).1;
-        if start.deviation.max(end.deviation) > share * tolerance {
+        if ends.iter().any(|point| point.deviation > share * self.band.moves[point.segment].tolerance) {
             // The point has been found outside already.
             return;
         }
-        let mut highest = start.deviation.max(end.deviation);
         if start.segment != end.segment {
             budget.spend(COST_TWO_MOVES);
-            let of_first = self.band.deviation_from(start.segment, end.at).max(start.deviation);
-            highest = self.band.deviation_from(end.segment, start.at).max(end.deviation).min(of_first);
         }
-        let curvature = moves[0].segment.curvature().max(moves[1].segment.curvature());
         let span = end.fraction - start.fraction;
-        highest += (bend(p) + longest_step(p).powi(2) * curvature) * span * span / 8.0;
-        if highest <= share * tolerance {
+        let over_share = |segment: usize, share: f64| {
+            let nearest = &self.band.moves[segment];
+            let farthest = ends.map(|point| {
+                if point.segment == segment { point.deviation } else { self.band.deviation_from(segment, point.at) }
+            });
+            let height = (bend(p) + longest_step(p).powi(2) * nearest.segment.curvature()) * span * span / 8.0;
+            farthest[0].max(farthest[1]) + height - share * nearest.tolerance
+        };
+        // Near either move is near enough.
+        let over = |share: f64| {
+            let of_first = over_share(start.segment, share);
+            if start.segment == end.segment { of_first } else { of_first.min(over_share(end.segment, share)) }
+        };
+        if over(share) <= 0.0 {
             return;
         }
         if halvings == 0 {
-            self.record_deviation(k, highest - tolerance);
+            let over = over(1.0);
+            self.record_deviation(k, over);
             return;
         }
         let fraction = f64::midpoint(start.fraction, end.fraction);

@@ -27,7 +27,7 @@ impl CourseRules {
             return Ok(());
         }
         let controller = moment.controller;
-        let now = (moment.reported.state, moment.reported.mode, moment.outputs_on());
+        let now = (moment.reported.state, moment.reported.mode, moment.outputs_on);
         let oscillated = std::mem::replace(&mut self.oscillated, moment.reported.oscillates_by_key);
         if moment.machine.read.bus_alive {
             self.bus_seen = moment.now;
@@ -64,7 +64,7 @@ impl CourseRules {
 
     /// "What stops what", row of RESET.
     fn check_reset(&mut self, moment: &Moment<'_>, before: OutputSet) -> Result<(), String> {
-        let on = moment.outputs_on();
+        let on = moment.outputs_on;
         let starts = |command: &Command| matches!(command, Command::Press(_) | Command::Mdi(_));
         if matches!(moment.commands, [Command::Press(Key::Reset)]) {
             self.reset_at = Some(moment.now);

@@ -37,6 +37,8 @@ pub struct Moment<'a> {
     pub screen_heard: bool,
     /// The machine with its images.
     pub machine: &'a WatchedMachine,
+    /// The outputs that are on at it.
+    pub outputs_on: OutputSet,
     /// The control.
     pub controller: &'a Controller,
     /// What it says of itself.
@@ -54,16 +56,17 @@ impl Moment<'_> {
     fn is_e_stopped(&self) -> bool {
         self.machine.read.bus_alive && self.machine.is_active(Input::EmergencyStop)
     }
+}
 
-    fn outputs_on(&self) -> OutputSet {
-        let params = self.controller.params();
-        let (fitted, mut on) = (params.fitted(), OutputSet::NONE);
-        // A terminal may belong to an output of another kind of machine, too.
-        for output in Output::ALL.iter().filter(|output| fitted.meets(output.needs())) {
-            on.set(*output, self.machine.written.terminals.is_closed(params.output_port(*output)));
-        }
-        on
+/// The outputs that are on at the machine.
+pub fn outputs_on(machine: &WatchedMachine, controller: &Controller) -> OutputSet {
+    let params = controller.params();
+    let (fitted, mut on) = (params.fitted(), OutputSet::NONE);
+    // A terminal may belong to an output of another kind of machine, too.
+    for output in Output::ALL.iter().filter(|output| fitted.meets(output.needs())) {
+        on.set(*output, machine.written.terminals.is_closed(params.output_port(*output)));
     }
+    on
 }
 
 /// What a rule needs to know of earlier ticks, of all rules.
@@ -158,7 +161,7 @@ impl Invariants {
     /// # Errors
     /// What does not hold.
     pub fn check_shown(&self, shown: &Snapshot, moment: &Moment<'_>) -> Result<(), String> {
-        let on = moment.outputs_on();
+        let on = moment.outputs_on;
         for key in Key::ALL.iter().filter(|key| key.exists_on(shown.fitted())) {
             let wanted = match key.row().lamp {
                 // One key for both directions.

@@ -134,7 +134,7 @@ impl MotionRules {
     fn note_slow_direction(&mut self, moment: &Moment<'_>) {
         let controller = moment.controller;
         let jogs = controller.mode() == Mode::Manual && !controller.state().is_active() && !self.own_motion;
-        let holds = jogs && moment.outputs_on().has(Output::Wheel);
+        let holds = jogs && moment.outputs_on.has(Output::Wheel);
         let limit = controller.params().get(param::WHEEL_ON_INFEED_SPEED);
         let before = self.slow.filter(|(known, _)| known.to_bits() == limit.to_bits());
         self.slow = holds.then(|| before.unwrap_or((limit, moment.now)));

@@ -76,7 +76,7 @@ impl OutputRules {
             *self = Self { screen_e_stop: false, ..Self::default() };
             return hold("an output is on without power", moment.machine.written.terminals.0 == 0);
         }
-        let on = moment.outputs_on();
+        let on = moment.outputs_on;
         self.note(moment);
         let before = std::mem::replace(&mut self.before, on);
         if self.was_powered {

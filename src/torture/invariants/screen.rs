@@ -43,7 +43,7 @@ impl ScreenRules {
         if silent <= latest {
             return Ok(());
         }
-        let on = moment.outputs_on();
+        let on = moment.outputs_on;
         for output in OFF_IN_AN_EMERGENCY {
             hold_output("is on without a screen", output, !on.has(output))?;
         }

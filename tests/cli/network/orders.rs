@@ -25,7 +25,7 @@ fn give_program(snapshot: &mut Snapshot) {
     let files = ScreenFiles {
         text: Ok(Arc::new(text)),
         english_fault: None,
-        picture: Ok(Arc::new(Picture(Vec::new()))),
+        picture: Ok(Arc::new(Picture(Vec::new().into()))),
         labels: Vec::new(),
         labels_fault: None,
     };

@@ -24,7 +24,8 @@ fn k7_3_every_program_has_its_page_text_and_its_picture() {
         let number = program - 1_000;
         let (text, picture) = (format!("C{number:04}.TXT"), format!("B{number:04}.BMP"));
         let page = parse_page_text(&text, &read(&format!("screens/{text}"))).unwrap();
-        parse_picture(&picture, &read(&format!("screens/{picture}"))).unwrap();
+        let picture = parse_picture(&picture, &read(&format!("screens/{picture}"))).unwrap();
+        image::load_from_memory_with_format(&picture.0, image::ImageFormat::Bmp).unwrap();
         assert_eq!(part_of(program).kind, kind);
         let shown: BTreeSet<u16> = page.rows().map(|row| row.variable).collect();
         let preset: BTreeSet<u16> = part_of(program).variables.keys().copied().collect();

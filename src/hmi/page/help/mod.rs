@@ -11,8 +11,9 @@ use egui::{Align2, Color32, Id, Rect, Sense, WidgetInfo, vec2};
 
 pub use entries::{CAUSE, HelpEntry, HelpTopic, REMEDY, Section, alarm_entry, entries};
 
-use super::variables::{RANGES, entry_page};
-use super::{HandOver, PageContext, PageUi, Scroll, ScrollList};
+use super::variables::RANGES;
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, favourites};
+use crate::defs::favourite::Favourite;
 use crate::defs::fitted::Fitted;
 use crate::defs::page::Page;
 use crate::defs::soft_key::SoftKeyAction;
@@ -22,6 +23,7 @@ use crate::hmi::{
     widget,
 };
 use crate::link::Command;
+use crate::link::page_command::PageCommand;
 
 /// Height of a line of an entry's text, points.
 const TEXT_LINE: f32 = 23.0;
@@ -31,19 +33,23 @@ const CLOSE_WIDTH: f32 = 92.0;
 const SECTION_WIDTH: f32 = 66.0;
 /// Width of the codes among the found entries, points.
 const SEARCH_SIGN_WIDTH: f32 = 82.0;
+/// Width of the key that keeps an entry on the home page, points.
+const KEEP_WIDTH: f32 = 132.0;
 /// Maximum number of characters of a search.
 const MAX_SEARCH_CHARS: usize = 20;
 
 /// Where an entry leads: a page, and what it shows first.
 pub type HelpTarget = (Page, Option<HandOver>);
 
-/// What the overlay of the help asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What a touch of the help asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum HelpTouch {
-    /// It closes.
+    /// The overlay closes.
     Close,
-    /// It closes, and a page opens.
+    /// The overlay closes, and a page opens.
     Open(HelpTarget),
+    /// The home page keeps these favourites.
+    Keep(Vec<Favourite>),
 }
 
 /// State of the help.
@@ -77,9 +83,13 @@ impl PageUi for Help {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        if let Some((page, what)) = self.draw(ctx.view, ctx.rect, ctx.typed, 0.0) {
-            *ctx.hand_over = what;
-            ctx.out.push(Command::OpenPage(page));
+        match self.draw(ctx.view, ctx.rect, ctx.typed, 0.0) {
+            Some(HelpTouch::Open((page, what))) => {
+                *ctx.hand_over = what;
+                ctx.out.push(Command::OpenPage(page));
+            }
+            Some(HelpTouch::Keep(kept)) => ctx.out.push(Command::Page(PageCommand::SetFavourites(kept))),
+            Some(HelpTouch::Close) | None => {}
         }
     }
 }
@@ -153,14 +163,14 @@ impl Help {
         view.ui.interact(rect, Id::unique("help"), Sense::CLICK | Sense::DRAG);
         view.filled_card(rect, view.theme.background, view.theme.focus);
         let (_, close) = rect.shrink(theme::PAD).band(0.0, widget::KEYS_HEIGHT).split_right(CLOSE_WIDTH);
-        let target = self.draw(view, rect, typed, CLOSE_WIDTH + theme::GAP);
+        let touched = self.draw(view, rect, typed, CLOSE_WIDTH + theme::GAP);
         let closed =
             widget::button(view, close, PageKey::new("close-help", view.text("关闭帮助", "CLOSE"))) || cancelled;
-        target.map(HelpTouch::Open).or(closed.then_some(HelpTouch::Close))
+        touched.or(closed.then_some(HelpTouch::Close))
     }
 
-    /// Draws the help; returns where the operator wants to go.
-    fn draw(&mut self, view: &View<'_>, rect: Rect, typed: &KeyboardInput, room: f32) -> Option<HelpTarget> {
+    /// Draws the help; returns what the operator wants.
+    fn draw(&mut self, view: &View<'_>, rect: Rect, typed: &KeyboardInput, room: f32) -> Option<HelpTouch> {
         self.load_entries(view);
         let entered = self.handle_typed(typed);
         let (bar, rest) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
@@ -179,18 +189,22 @@ impl Help {
             self.refresh_list();
         }
         self.rows(view, round_to_lines(list.trim_top(theme::GAP), widget::ROW_HEIGHT), typed.scroll_pages);
-        let target = self.visible.get(self.cursor).and_then(|index| target_of(view, self.entries[*index].topic));
+        let entry = self.visible.get(self.cursor).map(|index| &self.entries[*index]);
+        let target = entry.and_then(|entry| target_of(view, entry));
+        let keeps = entry.and_then(favourite_of).filter(|_| target.is_some());
         let room = theme::GAP * if self.search.open { 2.0 } else { 1.0 };
         let (card, key) = right.split_bottom(if target.is_some() { widget::KEYS_HEIGHT + room } else { 0.0 });
         self.detail(view, card);
         let key = key.trim_top(theme::GAP).trim_bottom(if self.search.open { theme::GAP } else { 0.0 });
-        let touched = target.filter(|target| open_key(view, key, *target) || entered);
+        let (open, keep) = key.split_right(if keeps.is_some() { KEEP_WIDTH } else { 0.0 });
+        let kept = keeps.and_then(|favourite| keep_key(view, keep.trim_left(theme::GAP), &favourite));
+        let opened = target.filter(|target| open_key(view, open, *target) || entered);
         if self.search.open
             && let Some(letter) = letter_pad::ui(view, board, &letter_pad::SEARCH_LAYOUT)
         {
             self.handle_letter(&letter);
         }
-        touched
+        opened.map(HelpTouch::Open).or(kept.map(HelpTouch::Keep))
     }
 
     fn tabs(&mut self, view: &View<'_>, bar: Rect) {
@@ -349,19 +363,37 @@ impl Help {
 }
 
 /// The page of an entry, and what it shows first; none for what has no page.
-fn target_of(view: &View<'_>, topic: HelpTopic) -> Option<HelpTarget> {
-    let target = match topic {
-        HelpTopic::Page(page) => (page, None),
-        HelpTopic::SoftKey(SoftKeyAction::Open(page)) => (page, None),
-        HelpTopic::Param(address) => (Page::Params, Some(HandOver::Param(address))),
-        HelpTopic::Variable(number) => (entry_page(view, number), Some(HandOver::Variable(number))),
-        HelpTopic::Program(number) => (Page::Directory, Some(HandOver::Program(number))),
-        HelpTopic::Alarm(_) if is_present(view, topic) => (Page::Alarm, None),
+fn target_of(view: &View<'_>, entry: &HelpEntry) -> Option<HelpTarget> {
+    match favourite_of(entry) {
+        Some(favourite) => favourites::target(view, &favourite).filter(|(page, _)| *page != Page::Help),
+        None => is_present(view, entry.topic).then_some((Page::Alarm, None)),
+    }
+}
+
+/// An entry as the home page can keep it.
+fn favourite_of(entry: &HelpEntry) -> Option<Favourite> {
+    Some(match entry.topic {
+        HelpTopic::Page(page) | HelpTopic::SoftKey(SoftKeyAction::Open(page)) => Favourite::Page(page),
+        HelpTopic::Param(address) => Favourite::Param(address),
+        HelpTopic::Variable(number) => Favourite::Variable(number),
+        HelpTopic::Program(_) => Favourite::Program(entry.code.clone()),
         HelpTopic::SoftKey(_) | HelpTopic::Key(_) | HelpTopic::Alarm(_) | HelpTopic::GCode | HelpTopic::MCode => {
             return None;
         }
+    })
+}
+
+/// The key that keeps an entry on the home page, or lets it go; the favourites after its touch.
+fn keep_key(view: &View<'_>, rect: Rect, favourite: &Favourite) -> Option<Vec<Favourite>> {
+    let after = favourites::toggled(view.favourites, favourite);
+    let is_kept = view.favourites.contains(favourite);
+    let label = match (is_kept, after.is_some()) {
+        (true, _) => view.text("★ 已收藏", "★ KEPT"),
+        (false, true) => view.text("☆ 收藏", "☆ KEEP"),
+        (false, false) => view.text("收藏已满", "HOME IS FULL"),
     };
-    Some(target).filter(|(page, _)| *page != Page::Help)
+    let key = PageKey::new("help-keep", label).on(is_kept).locked(after.is_none());
+    widget::button(view, rect, key).then_some(after).flatten()
 }
 
 /// The key that goes to the page of an entry.
