@@ -81,7 +81,9 @@ pub fn main() -> ExitCode {
 
 /// Executes the command; returns the exit status.
 fn execute(args: Args) -> Result<u8, CallError> {
-    let shared = setup::resolve_settings(args.shared, args.verb.is_none())?;
+    // The model is that of the machine of the data directory, too.
+    let opens_control = matches!(args.verb, None | Some(CliCommand::DeviceModel));
+    let shared = setup::resolve_settings(args.shared, opens_control)?;
     match &args.verb {
         Some(CliCommand::Run(call)) => run::run(&shared, call),
         Some(CliCommand::Check(call)) => check::check(&shared, call),

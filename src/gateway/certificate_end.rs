@@ -14,6 +14,15 @@ pub fn certificate_end<'a>(chain: impl IntoIterator<Item = &'a CertificateDer<'a
     chain.into_iter().filter_map(end).min()
 }
 
+/// Whether a certificate is valid at a time, s since 1970, UTC.
+#[cfg(feature = "opcua")]
+pub fn is_valid_at(certificate: &CertificateDer<'_>, time: i64) -> bool {
+    X509Certificate::from_der(certificate).is_ok_and(|(_, read)| {
+        let validity = read.validity();
+        (validity.not_before.timestamp()..validity.not_after.timestamp()).contains(&time)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use rcgen::{CertificateParams, KeyPair, date_time_ymd};

@@ -9,7 +9,8 @@ use crate::link::data_item::{Category, ItemValue, data_items};
 use crate::link::snapshot::Snapshot;
 
 /// The executions of MTConnect that the control tells.
-const EXECUTIONS: [&str; 6] = ["READY", "ACTIVE", "FEED_HOLD", "PROGRAM_STOPPED", "WAIT", "STOPPED"];
+const EXECUTIONS: [&str; 7] =
+    ["READY", "ACTIVE", "FEED_HOLD", "PROGRAM_STOPPED", "PROGRAM_COMPLETED", "WAIT", "STOPPED"];
 
 /// A metric and what it is.
 struct Metric {

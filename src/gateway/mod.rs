@@ -55,6 +55,8 @@ const PERIOD: Duration = Duration::from_millis(20);
 const VIEW_INTERVAL: Duration = Duration::from_secs(1);
 /// A port that cannot be opened is tried again after this time.
 const RETRY_INTERVAL: Duration = Duration::from_secs(5);
+/// Time between two looks whether viewers have got another password or certificate.
+const ACCESS_INTERVAL: Duration = Duration::from_secs(2);
 /// A control without a new snapshot for so long stands still: its agents lose the connection and know it.
 const LONGEST_STANDSTILL: Duration = Duration::from_secs(2);
 
@@ -202,6 +204,9 @@ pub struct Gateway {
     folder: Option<PathBuf>,
     /// Where orders go.
     inbox: SharedInbox,
+    /// When the access of viewers was changed, and when it is looked at again.
+    access_changed_at: Option<SystemTime>,
+    access_look_at: Duration,
 }
 
 impl Gateway {
@@ -233,6 +238,7 @@ impl Gateway {
         let inbox = Arc::clone(&self.inbox);
         let open = |port, reach| ShdrServer::open(port, reach, inbox).map_err(|error| why_closed(&error));
         self.mtconnect.serve(now, asked, open, |server| server.step(now, time, snapshot));
+        self.follow_access(now);
         let picture = self.pictures.as_ref().and_then(|pictures| pictures.newest(now));
         let view = WebView { snapshot, picture, time };
         let mut wants_picture = false;
@@ -249,6 +255,18 @@ impl Gateway {
             if wants_picture && pictures.is_due(now) {
                 pictures.ask(now, Snapshot { network, ..snapshot.clone() });
             }
+        }
+    }
+
+    /// Another password or certificate of viewers holds at once: their port is opened anew.
+    fn follow_access(&mut self, now: Duration) {
+        if now < self.access_look_at {
+            return;
+        }
+        self.access_look_at = now + ACCESS_INTERVAL;
+        let changed_at = self.folder.as_deref().and_then(web_access::changed_at);
+        if std::mem::replace(&mut self.access_changed_at, changed_at) != changed_at {
+            self.web = Service::default();
         }
     }
 

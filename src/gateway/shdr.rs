@@ -51,9 +51,18 @@ impl ShdrLines {
         let is_told = |at: usize, (item, value): &(DataItem, String)| {
             known.get(at).is_some_and(|(other, told)| told == value && other.id() == item.id())
         };
+        let is_same_list = known.len() == self.values.len()
+            && known.iter().zip(&self.values).all(|((old, _), (new, _))| old.id() == new.id());
         let numbered = self.values.iter().enumerate();
         let new = numbered.filter(|(at, entry)| !is_told(*at, entry)).map(|(_, entry)| entry);
         let mut lines = values_line(time, new);
+        if !is_same_list {
+            // What the machine has no longer is not known any more.
+            let is_gone = |old: &DataItem| self.values.iter().all(|(item, _)| item.id() != old.id());
+            for (old, _) in known.iter().filter(|(old, _)| is_gone(old)) {
+                lines += &format!("{time}|{}|UNAVAILABLE\n", old.id());
+            }
+        }
         self.conditions = Condition::of_machine(snapshot).collect();
         let identity = identity_lines(snapshot);
         if !self.identity.is_empty() && self.identity != identity {

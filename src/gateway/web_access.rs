@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -66,15 +66,14 @@ impl WebAccess {
     /// # Errors
     /// It is missing, not readable, or its certificate or key is; in words for the page.
     pub fn read(folder: &Path) -> Result<Self, LocalizedText> {
-        let read = ron_file::read::<AccessFile>(&folder.join(FILE), ChecksumPolicy::Lenient);
-        let file = read.map_err(|error| match error {
+        let read = ron_file::read_newest::<AccessFile>(&folder.join(FILE), ChecksumPolicy::Lenient);
+        let AccessFile { certificate, key, viewer } = read.map_err(|error| match error {
             RonError::Missing(_) => LocalizedText::from(Text::new(
                 "没有密码：在这台电脑上运行 kt830 web-access",
                 "no password: run kt830 web-access on this computer",
             )),
             error => in_words(error),
         })?;
-        let AccessFile { certificate, key, viewer } = file.value;
         let wrong = |name: &str, error: &dyn std::fmt::Display| in_words(format!("{name}: {error}"));
         let chain: Result<Vec<_>, _> =
             CertificateDer::pem_file_iter(folder.join(&certificate)).and_then(Iterator::collect);
@@ -96,6 +95,11 @@ impl WebAccess {
     }
 }
 
+/// When the file of a data directory was written; none without one.
+pub fn changed_at(folder: &Path) -> Option<SystemTime> {
+    folder.join(FILE).metadata().and_then(|found| found.modified()).ok()
+}
+
 /// Sets the password of the viewers. The control makes a certificate for these names of this computer if there is none, and
 /// anew where names are given and the certificate is its own. Returns what was done, in words.
 ///
@@ -107,11 +111,11 @@ pub fn set_viewer_password(folder: &Path, secret: &str, hosts: Vec<String>) -> R
     }
     let viewer = password::hash(secret).map_err(|error| error.to_string())?;
     let path = folder.join(FILE);
-    let (file, done) = match ron_file::read::<AccessFile>(&path, ChecksumPolicy::Lenient) {
-        Ok(read) if hosts.is_empty() => (AccessFile { viewer, ..read.value }, "password changed"),
-        Ok(read) if read.value.certificate == CERTIFICATE && read.value.key == KEY => {
+    let (file, done) = match ron_file::read_newest::<AccessFile>(&path, ChecksumPolicy::Lenient) {
+        Ok(read) if hosts.is_empty() => (AccessFile { viewer, ..read }, "password changed"),
+        Ok(read) if read.certificate == CERTIFICATE && read.key == KEY => {
             make_certificate(folder, hosts)?;
-            (AccessFile { viewer, ..read.value }, "password changed, certificate made anew")
+            (AccessFile { viewer, ..read }, "password changed, certificate made anew")
         }
         Ok(_) => return Err(format!("{FILE} names a certificate of your own: call it without names")),
         Err(RonError::Missing(_)) if [CERTIFICATE, KEY].iter().any(|name| folder.join(name).exists()) => {

@@ -171,7 +171,7 @@ fn terminals_differ(painted: &TerminalView, newest: &TerminalView) -> bool {
 
 /// The text is compared by its memory and its stamp: a million lines are not read 30 times a second.
 fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
-    // The bounds are part of the text.
+    // The bounds are part of the text; the screen does not show how the last run ended.
     let ProgramView {
         number,
         text,
@@ -183,6 +183,7 @@ fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
         line,
         block,
         is_open,
+        is_completed: _,
     } = newest;
     let same_subprogram = match (subprogram_text, &painted.subprogram_text) {
         (Some(newest), Some(painted)) => newest.is_instance(painted),

@@ -224,7 +224,7 @@ data_items! {
             let text = snapshot.waiting_for.as_ref().map(|text| text.en().into_owned());
             ItemValue::Text(text.unwrap_or_default())
         };
-        Path "execution", Category::Event, "EXECUTION" "", "运行状态", "execution", |snapshot, _| ItemValue::Word(execution(snapshot.state));
+        Path "execution", Category::Event, "EXECUTION" "", "运行状态", "execution", |snapshot, _| ItemValue::Word(execution(snapshot));
         Path "mode", Category::Event, "CONTROLLER_MODE" "", "方式", "mode", |snapshot, _| ItemValue::Word(controller_mode(snapshot.mode));
         Path "single_block", Category::Event, "CONTROLLER_MODE_OVERRIDE" "SINGLE_BLOCK", "单段", "single block", |snapshot, _| on_off(snapshot.key(Key::SingleBlock).lamp);
         Path "dry_run", Category::Event, "CONTROLLER_MODE_OVERRIDE" "DRY_RUN", "空运行", "dry run", |snapshot, _| on_off(snapshot.key(Key::DryRun).lamp);
@@ -353,8 +353,10 @@ fn slide(snapshot: &Snapshot, component: Component) -> ItemValue {
     }
 }
 
-const fn execution(state: RunState) -> &'static str {
-    match state {
+/// What the program does; at rest whether its last run has come to its end.
+const fn execution(snapshot: &Snapshot) -> &'static str {
+    match snapshot.state {
+        RunState::Idle if snapshot.program.is_completed => "PROGRAM_COMPLETED",
         RunState::Idle => "READY",
         RunState::Running | RunState::Homing => "ACTIVE",
         RunState::Held => "FEED_HOLD",

@@ -29,6 +29,8 @@ pub struct ProgramView {
     pub block: Option<u32>,
     /// A run is open: it executes, holds or waits; an MDI line too.
     pub is_open: bool,
+    /// Its last run has come to its end.
+    pub is_completed: bool,
 }
 
 impl ProgramView {

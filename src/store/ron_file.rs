@@ -110,6 +110,14 @@ pub fn read<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<Lo
     })
 }
 
+/// Reads a file, never its previous version: of who may come in, since that may name somebody who was shut out since.
+///
+/// # Errors
+/// The error of the file.
+pub fn read_newest<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<T, RonError> {
+    read_one(path, care).map(|read| read.value)
+}
+
 /// Whether a previous version of a file is there, readable or not.
 #[must_use]
 pub fn has_backup(path: &Path) -> bool {

@@ -111,7 +111,7 @@ async def denied(what):
         return ""
     except ua.UaStatusCodeError as error:
         return type(error).__name__
-    except ConnectionError:
+    except (ConnectionError, asyncio.TimeoutError):
         return "closed"
 
 
@@ -516,9 +516,12 @@ async def main():
             await guesses()
             await garbage(server, listener)
             check(kt830("opcua", "remove-user", "planner", *data).returncode == 0, "a user is removed")
-            await asyncio.sleep(4)
+            await asyncio.sleep(8)
             why = await denied(override.read_value())
             check(why != "", f"a user that was removed reads no more: {why}")
+            told = sum(map(len, listener.values.values()))
+            await asyncio.sleep(2)
+            check(told == sum(map(len, listener.values.values())), "and its subscription tells nothing more")
             kt830("opcua", "add-user", "planner", *data, text="correct horse\n")
         report()
         await flood_of_subscriptions(server)

@@ -105,6 +105,7 @@ impl Panel {
             None => out.program = ProgramView::default(),
         }
         out.program.is_open = parts.program.is_open();
+        out.program.is_completed = parts.plant.execution.is_completed;
         out.program.number = parts.plant.execution.current_program;
         out.program.block_program = parts.plant.execution.current_block.program;
         let subprogram = Some(out.program.block_program).filter(|_| out.program.in_subprogram());

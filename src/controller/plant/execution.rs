@@ -101,6 +101,8 @@ pub struct Execution {
     pub called_offsets: CalledOffsets,
     /// M30 has ended the open program: its part is finished.
     pub part_finished: bool,
+    /// The last run of a program has come to its end.
+    pub is_completed: bool,
     /// The cycle that has finished a part; none from the next cycle start by the operator on.
     pub finished_cycle: Option<FinishedCycle>,
     /// Parts that the open run has counted.
@@ -119,7 +121,7 @@ impl Execution {
     /// A run begins, with the tool offset that is in force.
     pub fn begin_cycle(&mut self, tool_offset: usize) {
         self.phases.restart();
-        (self.gauged, self.parts_counted) = (false, 0);
+        (self.gauged, self.parts_counted, self.is_completed) = (false, 0, false);
         self.called_offsets = CalledOffsets::None;
         self.called_offsets.call(tool_offset);
         self.current_block = BlockLocation::default();
@@ -168,7 +170,7 @@ impl Plant {
 
     /// Makes a program the current one, before its first block, and stores its number; 0 for none.
     pub fn set_current_program(&mut self, number: u32) {
-        self.execution.current_program = number;
+        (self.execution.current_program, self.execution.is_completed) = (number, false);
         self.execution.current_block = BlockLocation::default();
         self.store(StorageRequest::CurrentProgram(number));
     }

@@ -196,6 +196,7 @@ impl Program {
                 self.close_run(plant);
                 plant.transition(ControlEvent::Finish);
                 if origin == Origin::Program {
+                    plant.execution.is_completed = true;
                     self.repeat_program(plant);
                 }
             }

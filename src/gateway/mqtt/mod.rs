@@ -153,6 +153,16 @@ impl MqttClient {
         self.show(snapshot);
     }
 
+    /// Ends the connection; the broker keeps no list of orders under this name.
+    fn leave_name(&mut self, time: Duration) {
+        if let (Phase::Connected(link), Some(node)) = (&mut self.phase, &self.node)
+            && self.outbox.told.has_kept_list()
+        {
+            link.publish_retained(&node.own_topic(LIST_TOPIC), Vec::new());
+        }
+        self.close(time);
+    }
+
     /// Ends the connection: nothing is known any more. It is tried again at the next step.
     pub fn close(&mut self, time: Duration) {
         if let (Phase::Connected(link), Some(node)) = (&mut self.phase, &self.node) {
@@ -337,7 +347,7 @@ impl MqttClient {
         match fault {
             Some(why) => self.fail(now, why, snapshot),
             // The machine has another number: it comes back under its new name.
-            None if is_other => self.close(time),
+            None if is_other => self.leave_name(time),
             None => {}
         }
     }

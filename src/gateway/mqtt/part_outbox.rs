@@ -97,7 +97,7 @@ impl PartOutbox {
         let changed = sent().filter(|told| is_last(told)).find_map(|told| {
             // The end of a cycle that goes on after its part was counted changes the record, too.
             let again = result(parts.iter().rev().find(|record| record.count == told.part)?);
-            (again.text != told.text).then_some(again)
+            is_other_result(&again.text, &told.text).then_some(again)
         });
         let until = sent().map(|sent| sent.part).max().unwrap_or(0);
         let next = changed.or_else(|| parts.iter().find(|record| record.count > until).map(result));
@@ -145,6 +145,16 @@ impl PartOutbox {
         let again = self.in_flight.iter().filter(|flying| flying.sent.part <= known).count();
         (new + again) as u64
     }
+}
+
+/// Whether a result is another one than was sent; the machine may have got another name since.
+fn is_other_result(now: &str, sent: &str) -> bool {
+    let without_machine = |text: &str| {
+        let mut message: serde_json::Value = serde_json::from_str(text).ok()?;
+        message.as_object_mut()?.remove("machine");
+        Some(message)
+    };
+    now != sent && without_machine(now) != without_machine(sent)
 }
 
 fn message_of(machine: &str, record: &PartRecord) -> String {

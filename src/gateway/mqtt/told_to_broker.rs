@@ -81,11 +81,17 @@ impl ToldToBroker {
         self.told.parts.iter()
     }
 
-    /// The broker gets a list of orders to keep, or is to keep none; whether it has to be told.
+    /// The broker gets a list of orders to keep, or is to keep none; whether it has to be told. A message that clears the
+    /// list may be lost with its connection: who has ever got one is told with each connection.
     pub fn keeps_list(&mut self, is_kept: bool) -> bool {
-        let had_list = std::mem::replace(&mut self.told.has_list, is_kept);
-        self.is_changed |= had_list != is_kept;
-        is_kept || had_list
+        self.is_changed |= is_kept && !self.told.has_list;
+        self.told.has_list |= is_kept;
+        self.told.has_list
+    }
+
+    /// Whether the broker has ever got a list of orders to keep.
+    pub const fn has_kept_list(&self) -> bool {
+        self.told.has_list
     }
 
     /// Results that it never gets: more parts than the control remembers were made while it was away.

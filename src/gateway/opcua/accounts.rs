@@ -1,6 +1,7 @@
 //! Who may read: users with passwords, stored as Argon2id hashes in a file of the server. Nobody is let in without one.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -15,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use tokio::sync::Semaphore;
 
 use super::log::log_line;
-use super::production_plan;
+use super::{certificates, production_plan};
 use crate::store::password;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 
@@ -53,7 +54,7 @@ impl Users {
         if !path.exists() {
             return Ok(Self::default());
         }
-        ron_file::read(&path, ChecksumPolicy::Lenient).map(|file| file.value)
+        ron_file::read_newest(&path, ChecksumPolicy::Lenient)
     }
 
     /// Writes the file.
@@ -96,6 +97,27 @@ impl Users {
             "$argon2id$v=19$m=19456,t=2,p=1$AAAAAAAAAAAAAAAAAAAAAA$AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA";
         let hash = self.0.get(name).map_or(NOBODY, |account| account.hash.as_str());
         secret.len() <= LONGEST && password::verify(secret, hash) && self.0.contains_key(name)
+    }
+}
+
+/// Who may come in.
+pub struct Admitted {
+    users: Users,
+    /// The files of trusted certificates.
+    trusted: BTreeSet<OsString>,
+}
+
+impl Admitted {
+    /// Reads a folder; nobody where the file of users cannot be read.
+    pub fn read(folder: &Path) -> Self {
+        Self { users: Users::read(folder).unwrap_or_default(), trusted: certificates::trusted_files(folder) }
+    }
+
+    /// Whether somebody of these may not come in any more, or not with the same password and rights: who is connected stays
+    /// so otherwise, since the library asks no more.
+    pub fn is_revoked_by(&self, newer: &Self) -> bool {
+        let is_other = |(name, account): (&String, &UserAccount)| newer.users.0.get(name) != Some(account);
+        self.users.0.iter().any(is_other) || !self.trusted.is_subset(&newer.trusted)
     }
 }
 
@@ -185,5 +207,58 @@ impl AuthManager for Accounts {
         let is_order =
             matches!(&method.identifier, Identifier::String(id) if id.as_ref().ends_with(production_plan::METHOD_PATH));
         is_order && self.account(token).is_some_and(|account| account.orders)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder_with(users: &[(&str, bool)]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let mut all = Users::default();
+        users.iter().for_each(|(name, orders)| all.set(name, "secret", Some(*orders)).unwrap());
+        all.write(folder.path()).unwrap();
+        folder
+    }
+
+    #[test]
+    fn who_is_taken_away_or_changed_is_noticed_and_who_is_added_is_not() {
+        let folder = folder_with(&[("planner", true)]);
+        let path = folder.path();
+        std::fs::create_dir(path.join("trusted")).unwrap();
+        std::fs::write(path.join("trusted/one.der"), "1").unwrap();
+        let before = Admitted::read(path);
+        let is_revoked = || before.is_revoked_by(&Admitted::read(path));
+        let change = |change: &dyn Fn(&mut Users)| {
+            let mut users = Users::read(path).unwrap();
+            change(&mut users);
+            users.write(path).unwrap();
+        };
+        assert!(!is_revoked());
+        change(&|users| users.set("viewer", "other", None).unwrap());
+        std::fs::write(path.join("trusted/two.der"), "2").unwrap();
+        assert!(!is_revoked());
+        std::fs::remove_file(path.join("trusted/one.der")).unwrap();
+        assert!(is_revoked(), "a certificate");
+        std::fs::write(path.join("trusted/one.der"), "1").unwrap();
+        assert!(!is_revoked());
+        change(&|users| users.set("planner", "secret", Some(false)).unwrap());
+        assert!(is_revoked(), "the right to propose orders");
+        change(&|users| assert!(users.remove("planner")));
+        assert!(is_revoked(), "a user");
+    }
+
+    #[test]
+    fn a_damaged_file_brings_no_removed_user_back() {
+        let folder = folder_with(&[("planner", true), ("viewer", false)]);
+        let mut users = Users::read(folder.path()).unwrap();
+        assert!(users.remove("planner"));
+        users.write(folder.path()).unwrap();
+        let file = folder.path().join(FILE);
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, format!("{text}?")).unwrap();
+        assert!(Users::read(folder.path()).is_err());
+        assert!(Admitted::read(folder.path()).users.names().next().is_none());
     }
 }

@@ -3,6 +3,7 @@
 //! Source: MTConnect Agent (cppagent), "Adapter Agent Protocol".
 
 use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
 
 use serde::Deserialize;
 
@@ -85,6 +86,8 @@ pub struct AdapterState {
     raised: BTreeMap<(String, String), ToldAlarm>,
     orders: Vec<ToldOrder>,
     time: String,
+    /// When it came.
+    received: Option<Instant>,
     /// Whether a line has told the level of a condition: it follows the values in a welcome.
     has_conditions: bool,
     program: ProgramCourse,
@@ -112,8 +115,8 @@ impl ProgramCourse {
         match (execution, self) {
             ("ACTIVE", _) => Self::Runs,
             ("FEED_HOLD" | "PROGRAM_STOPPED" | "WAIT", _) => Self::Interrupted,
-            ("READY", Self::Runs) => Self::Ended,
-            ("READY" | "STOPPED", Self::Interrupted) | ("STOPPED", Self::Runs) => Self::Aborted,
+            ("PROGRAM_COMPLETED", _) => Self::Ended,
+            ("READY" | "STOPPED", Self::Runs | Self::Interrupted) => Self::Aborted,
             (_, course) => course,
         }
     }
@@ -146,6 +149,12 @@ impl AdapterState {
     #[must_use]
     pub fn orders(&self) -> &[ToldOrder] {
         &self.orders
+    }
+
+    /// For how long the newest line has been there.
+    #[must_use]
+    pub fn age(&self) -> Duration {
+        self.received.map_or(Duration::ZERO, |at| at.elapsed())
     }
 
     /// When the newest line was written: UTC by ISO 8601.
@@ -187,6 +196,7 @@ impl AdapterState {
             return Vec::new();
         }
         self.time = time.to_owned();
+        self.received = Some(Instant::now());
         match fields.as_slice() {
             [condition, level, number, _, _, text] if is_condition(condition) => {
                 self.take_condition(condition, level, number, text)
@@ -342,12 +352,14 @@ mod tests {
     #[test]
     fn the_course_of_a_program_follows_its_executions() {
         use ProgramCourse::{Aborted, Ended, Interrupted, Loaded, Runs};
-        let cases: [(&str, Option<ProgramCourse>); 9] = [
+        let cases: [(&str, Option<ProgramCourse>); 11] = [
             ("t|program|UNAVAILABLE|execution|READY", None),
             ("t|execution|READY|program|O1", Some(Loaded)),
             // A server that comes while it runs: its execution stands before its name.
             ("t|execution|ACTIVE|program|O1", Some(Runs)),
-            ("t|program|O1\nt|execution|ACTIVE\nt|execution|READY", Some(Ended)),
+            ("t|program|O1\nt|execution|ACTIVE\nt|execution|PROGRAM_COMPLETED", Some(Ended)),
+            ("t|program|O1\nt|execution|ACTIVE\nt|execution|PROGRAM_COMPLETED\nt|execution|READY", Some(Ended)),
+            ("t|program|O1\nt|execution|ACTIVE\nt|execution|READY", Some(Aborted)),
             ("t|program|O1\nt|execution|ACTIVE\nt|execution|FEED_HOLD", Some(Interrupted)),
             ("t|program|O1\nt|execution|ACTIVE\nt|execution|FEED_HOLD\nt|execution|READY", Some(Aborted)),
             ("t|program|O1\nt|execution|ACTIVE\nt|execution|STOPPED\nt|execution|READY", Some(Aborted)),

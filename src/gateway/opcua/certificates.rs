@@ -1,13 +1,15 @@
 //! The certificates of the server: its own one, those of clients that are trusted, and those that were refused. Trusting
 //! one is done by a person who has compared its thumbprint.
 
+use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use opcua::crypto::{CertificateStore, X509, X509Data};
 use rustls::pki_types::CertificateDer;
 
-use crate::gateway::certificate_end::certificate_end;
+use crate::gateway::certificate_end::{certificate_end, is_valid_at};
 use crate::store::{write_atomic, write_private};
 
 /// Its own certificate, in the folder of the server.
@@ -20,10 +22,12 @@ const REJECTED: &str = "rejected";
 const KEY_BITS: u32 = 3_072;
 /// A machine runs for longer than anybody remembers to renew a certificate.
 const VALID_DAYS: u32 = 20 * 365;
+/// A clock that is before this, 2026-11-01, is wrong: it says nothing of a certificate.
+const EARLIEST_CLOCK: i64 = 1_793_491_200;
 /// Certificates of strangers that are kept: each stranger could send others without end.
 const MOST_REJECTED: usize = 500;
 
-/// Makes the server's own certificate if there is none that fits; whether one was made. `uri` is the name of the
+/// Makes the server's own certificate if there is none that fits and is valid now; whether one was made. `uri` is the name of the
 /// application, `host` the name under which clients reach it.
 ///
 /// # Errors
@@ -64,6 +68,13 @@ fn own_fits(folder: &Path, uri: &str, host: &str) -> bool {
     let key = CertificateStore::read_pkey(&folder.join(PRIVATE_KEY));
     certificate.is_ok_and(|own| own.is_application_uri_valid(uri).is_ok() && own.is_hostname_valid(host).is_ok())
         && key.is_ok()
+        && is_in_its_time(folder, chrono::Utc::now().timestamp())
+}
+
+/// One that has ended, or that a wrong clock has made for a time to come, is of no use to anybody.
+fn is_in_its_time(folder: &Path, now: i64) -> bool {
+    let own = fs::read(folder.join(OWN_CERTIFICATE)).map(CertificateDer::from);
+    now < EARLIEST_CLOCK || own.is_ok_and(|own| is_valid_at(&own, now))
 }
 
 /// A certificate of a client.
@@ -99,6 +110,11 @@ pub fn own_end(folder: &Path) -> Option<i64> {
 #[must_use]
 pub fn trusted(folder: &Path) -> Vec<ClientCertificate> {
     certificates(&folder.join(TRUSTED))
+}
+
+/// The files of the certificates that are trusted.
+pub fn trusted_files(folder: &Path) -> BTreeSet<OsString> {
+    fs::read_dir(folder.join(TRUSTED)).into_iter().flatten().flatten().map(|entry| entry.file_name()).collect()
 }
 
 /// Whether these bytes are a certificate that is trusted.
@@ -173,4 +189,23 @@ pub fn limit_rejected(folder: &Path) {
 
 fn thumbprint_of(certificate: &X509) -> String {
     certificate.thumbprint().as_hex_string().to_ascii_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_certificate_out_of_its_time_is_made_anew_unless_the_clock_is_wrong() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("own")).unwrap();
+        let mut params = rcgen::CertificateParams::new(vec!["grinder".to_owned()]).unwrap();
+        (params.not_before, params.not_after) = (rcgen::date_time_ymd(2_090, 1, 1), rcgen::date_time_ymd(2_110, 1, 1));
+        let made = params.self_signed(&rcgen::KeyPair::generate().unwrap()).unwrap();
+        std::fs::write(folder.path().join(OWN_CERTIFICATE), made.der()).unwrap();
+        let fits_in = |year: i64| is_in_its_time(folder.path(), (year - 1_970) * 31_556_952);
+        assert!(!fits_in(2_027), "made by a clock that was ahead");
+        assert!(fits_in(2_100) && !fits_in(2_111));
+        assert!(fits_in(1_970) && fits_in(2_020), "a clock without its battery");
+    }
 }

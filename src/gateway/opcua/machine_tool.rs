@@ -342,7 +342,7 @@ fn operation_mode(mode: &str) -> i32 {
 fn channel_state(execution: &str) -> i32 {
     match execution {
         "ACTIVE" => 0,
-        "READY" => 2,
+        "READY" | "PROGRAM_COMPLETED" => 2,
         _ => 1,
     }
 }

@@ -20,7 +20,7 @@ use tokio::runtime::Runtime;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
-use super::accounts::Accounts;
+use super::accounts::{Accounts, Admitted};
 use super::adapter_client::AdapterClient;
 use super::adapter_state::{AdapterEvent, AdapterState, ToldOrder};
 use super::alert_event::AlertEvent;
@@ -171,6 +171,7 @@ impl OpcUaServer {
         tell: TellState,
     ) -> Ended {
         let (mut client, mut idle) = (Some(client), IdleWatch::default());
+        let known_items = state.items().count();
         running.show(Some(state));
         running.show_plan(Some(state));
         while !is_over() {
@@ -204,7 +205,9 @@ impl OpcUaServer {
                     }
                 }
             }
-            if running.clock.is_wrong() || idle.is_over(running) {
+            // An axis, a gauge or a port that the machine has got since.
+            let has_more_items = state.items().count() != known_items;
+            if has_more_items || running.clock.is_wrong() || idle.is_over(running) {
                 return Ended::Renew;
             }
         }
@@ -232,6 +235,10 @@ impl IdleWatch {
         }
         self.looked_at = Some(Instant::now());
         certificates::limit_rejected(&running.folder);
+        if running.has_revoked() {
+            log_line("a user or a certificate was taken away or changed: all clients are disconnected");
+            return true;
+        }
         if running.subscriptions() >= MOST_SUBSCRIPTIONS {
             return true;
         }
@@ -255,6 +262,8 @@ struct Running {
     /// When the control was told how the server does.
     reported_at: Cell<Option<Instant>>,
     folder: PathBuf,
+    /// Who might come in when it began.
+    admitted: Admitted,
     /// Orders that clients hand in.
     calls: Receiver<OrderCall>,
     /// Who waits for the answers of the control, in their order.
@@ -282,6 +291,7 @@ impl Running {
         let task = tokio::spawn(server.run_with(inner));
         let gate = tokio::spawn(gatekeeper::keep(listener, address, settings.folder.clone()));
         let folder = settings.folder.clone();
+        let admitted = Admitted::read(&folder);
         Ok(Self {
             handle,
             task,
@@ -291,6 +301,7 @@ impl Running {
             clock: SourceClock::new(),
             reported_at: Cell::default(),
             folder,
+            admitted,
             calls,
             waiting: RefCell::default(),
             jobs: RefCell::default(),
@@ -310,7 +321,7 @@ impl Running {
     /// Another connection has told this: values, alarms that have come and gone meanwhile.
     fn change_to(&self, welcome: AdapterState, state: &mut AdapterState) {
         let changes = state.changes_to(&welcome);
-        let time = time_of(&welcome);
+        let time = self.clock.not_ahead(time_of(&welcome));
         let events: Vec<_> = changes.into_iter().filter_map(|change| self.event_of(change, time)).collect();
         *state = welcome;
         self.show(Some(state));
@@ -335,21 +346,24 @@ impl Running {
 
     /// Takes lines of the control: values that have changed, and events.
     fn take(&self, lines: &[String], state: &mut AdapterState) {
-        let (mut is_changed, mut events) = (false, Vec::new());
+        let (mut is_changed, mut has_new_orders, mut events) = (false, false, Vec::new());
         for line in lines {
             for event in state.take(line) {
                 match event {
-                    AdapterEvent::Orders => self.show_plan(Some(state)),
+                    AdapterEvent::Orders => has_new_orders = true,
                     AdapterEvent::OrderAnswer(answer) => self.answer(answer),
                     event => {
                         is_changed = true;
-                        events.extend(self.event_of(event, time_of(state)));
+                        events.extend(self.event_of(event, self.clock.not_ahead(time_of(state))));
                     }
                 }
             }
         }
         if is_changed {
             self.show(Some(state));
+        }
+        if has_new_orders {
+            self.show_plan(Some(state));
         }
         self.tell(&events);
     }
@@ -419,7 +433,10 @@ impl Running {
     /// Shows the values of a control, or that there is none.
     fn show(&self, state: Option<&AdapterState>) {
         let variables = self.nodes.variables.iter();
-        let source = state.map_or_else(|| self.clock.of_no_tick(), |state| self.clock.of_tick(time_of(state)));
+        let source = match state {
+            Some(state) => self.clock.of_tick(time_of(state), state.age()),
+            None => self.clock.of_no_tick(),
+        };
         self.set(source, variables.map(|variable| (&variable.id, state.map(|state| (variable.read)(state)))));
     }
 
@@ -445,6 +462,11 @@ impl Running {
         if let Err(status) = self.manager.set_values(self.handle.subscriptions(), values) {
             log_line(&format!("values: {status}"));
         }
+    }
+
+    /// Whether somebody who might be connected may not be any more.
+    fn has_revoked(&self) -> bool {
+        self.admitted.is_revoked_by(&Admitted::read(&self.folder))
     }
 
     /// How many clients are connected.

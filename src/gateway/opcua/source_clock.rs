@@ -39,15 +39,20 @@ impl SourceClock {
         DateTime::from(self.time())
     }
 
-    /// The time of values that the control has just told, of its tick at `tick`.
-    pub fn of_tick(&self, tick: DateTime) -> DateTime {
-        self.of_tick_at(tick.as_chrono(), self.time())
+    /// A time of the control, if it is not to come.
+    pub fn not_ahead(&self, time: DateTime) -> DateTime {
+        DateTime::from(time.as_chrono().min(self.time()))
     }
 
-    fn of_tick_at(&self, tick: chrono::DateTime<Utc>, now: chrono::DateTime<Utc>) -> DateTime {
+    /// The time of values of the control's tick at `tick`, of which it has told `age` ago.
+    pub fn of_tick(&self, tick: DateTime, age: Duration) -> DateTime {
+        self.of_tick_at(tick.as_chrono(), self.time(), TimeDelta::from_std(age).unwrap_or_default())
+    }
+
+    fn of_tick_at(&self, tick: chrono::DateTime<Utc>, now: chrono::DateTime<Utc>, age: TimeDelta) -> DateTime {
         let told = tick.min(now);
         self.is_set_back.set(self.newest.get() - told > tolerance());
-        self.lag.set(now - told);
+        self.lag.set((now - age - tick).max(TimeDelta::zero()));
         self.advance(told)
     }
 
@@ -98,8 +103,12 @@ mod tests {
     #[test]
     fn values_are_as_old_as_their_tick_and_never_from_the_future() {
         let clock = SourceClock::new();
-        assert_eq!(clock.of_tick_at(at(960), at(1_000)).as_chrono(), at(960));
-        assert_eq!(clock.of_tick_at(at(9_000), at(1_100)).as_chrono(), at(1_100), "its clock is ahead");
+        assert_eq!(clock.of_tick_at(at(960), at(1_000), TimeDelta::zero()).as_chrono(), at(960));
+        assert_eq!(
+            clock.of_tick_at(at(9_000), at(1_100), TimeDelta::zero()).as_chrono(),
+            at(1_100),
+            "its clock is ahead"
+        );
         assert!(!clock.is_wrong());
     }
 
@@ -107,21 +116,28 @@ mod tests {
     fn what_no_tick_says_is_of_now_on_the_clock_of_the_control() {
         let clock = SourceClock::new();
         // An hour behind. An order comes ten minutes after its newest value.
-        clock.of_tick_at(at(0), at(3_600_000));
+        clock.of_tick_at(at(0), at(3_600_000), TimeDelta::zero());
         assert_eq!(clock.of_no_tick_at(at(4_200_000)).as_chrono(), at(600_000));
         // It has not changed by that how far the control is behind.
         assert_eq!(clock.of_no_tick_at(at(4_201_000)).as_chrono(), at(601_000));
-        assert_eq!(clock.of_tick_at(at(601_500), at(4_201_500)).as_chrono(), at(601_500));
+        assert_eq!(clock.of_tick_at(at(601_500), at(4_201_500), TimeDelta::zero()).as_chrono(), at(601_500));
         assert!(!clock.is_wrong());
+    }
+
+    #[test]
+    fn how_old_a_welcome_is_does_not_count_as_a_difference_of_the_clocks() {
+        let clock = SourceClock::new();
+        clock.of_tick_at(at(1_000), at(1_600), TimeDelta::milliseconds(560));
+        assert_eq!(clock.of_no_tick_at(at(60_000)).as_chrono(), at(59_960), "40 ms from the tick to the line");
     }
 
     #[test]
     fn times_never_run_back_and_a_clock_that_does_is_said() {
         let clock = SourceClock::new();
-        clock.of_tick_at(at(5_000), at(5_000));
-        assert_eq!(clock.of_tick_at(at(4_000), at(5_010)).as_chrono(), at(5_000));
+        clock.of_tick_at(at(5_000), at(5_000), TimeDelta::zero());
+        assert_eq!(clock.of_tick_at(at(4_000), at(5_010), TimeDelta::zero()).as_chrono(), at(5_000));
         assert!(!clock.is_wrong(), "within the tolerance");
-        assert_eq!(clock.of_tick_at(at(2_900), at(5_020)).as_chrono(), at(5_000));
+        assert_eq!(clock.of_tick_at(at(2_900), at(5_020), TimeDelta::zero()).as_chrono(), at(5_000));
         assert!(clock.is_wrong());
     }
 }

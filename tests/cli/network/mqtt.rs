@@ -230,8 +230,7 @@ fn a_machine_with_another_number_comes_back_under_its_new_name() {
     let mut site = Site::new();
     site.until_born();
     set(&mut site.snapshot, "P482", 124.0);
-    let topic = "spBv1.0/hall 2/NBIRTH/kt830-gc-000124";
-    site.until("the new name", |site| site.topics().contains(&topic));
+    site.until_born_as("kt830-gc-000124");
     assert_eq!(site.of("NDEATH").len(), 1);
 }
 

@@ -16,6 +16,7 @@ use kt830::defs::text::LocalizedText;
 use kt830::gateway::device_model::device_model;
 use kt830::gateway::shdr::ShdrLines;
 use kt830::gateway::timestamp;
+use kt830::host::retained_store::RetainedStore;
 use kt830::link::Snapshot;
 use kt830::link::condition::Condition;
 use kt830::link::data_item::{Component, data_items};
@@ -46,6 +47,28 @@ fn an_agent_is_told_everything_then_what_changes() {
     shop.snapshot.axes[Axis::Z].machine = -0.000_04;
     let told = shop.until(&mut agent, "\n");
     assert_eq!(told, format!("{}|execution|FEED_HOLD\n", timestamp(Duration::from_secs(1_795_000_000))));
+}
+
+/// An axis that is taken away: its values are not the last ones for ever.
+#[test]
+fn what_the_machine_has_no_longer_is_told_so() {
+    let mut shop = Shop::new();
+    let mut agent = shop.connect();
+    shop.until(&mut agent, "|c_motion|NORMAL");
+    shop.snapshot.axes[Axis::Z].present = false;
+    let told = shop.until(&mut agent, "|z_machine|UNAVAILABLE\n");
+    assert!(told.contains("|z_work|UNAVAILABLE\n") && !told.contains("|x_work|"), "{told}");
+}
+
+/// The model is that of the machine whose data are in the data directory.
+#[test]
+fn the_device_model_is_of_the_kind_of_the_data() {
+    let home = tempfile::tempdir().unwrap();
+    std::fs::create_dir(home.path().join("kt830")).unwrap();
+    drop(RetainedStore::open(&home.path().join("kt830"), Kind::Gs).unwrap());
+    let printed = crate::command::kt830_in(home.path(), home.path(), &["device-model"]);
+    let model = String::from_utf8(printed.stdout).unwrap();
+    assert!(model.contains("kt830-gs-000000"), "{model}");
 }
 
 fn value(snapshot: &Snapshot, id: &str) -> String {
@@ -108,6 +131,8 @@ fn words_and_numbers_are_those_of_the_standard() {
         snapshot.state = state;
         assert_eq!(value(&snapshot, "execution"), word, "{state:?}");
     }
+    (snapshot.state, snapshot.program.is_completed) = (RunState::Idle, true);
+    assert_eq!(value(&snapshot, "execution"), "PROGRAM_COMPLETED");
     snapshot.wheel_rpm = f64::NAN;
     for id in ["spindle_commanded", "spindle_speed", "part_size"] {
         assert_eq!(value(&snapshot, id), "UNAVAILABLE", "{id}");

@@ -150,7 +150,22 @@ fn an_order_of_the_shop_is_proposed_once_and_the_list_is_told() {
     site.broker.drop_client();
     site.until("another connection", |site| site.view().connections == 2);
     site.steps(20);
-    assert_eq!(told(&site).len(), count, "nobody is told again that there is no list");
+    assert_eq!(told(&site).len(), count + 1, "the message that clears the list may have been lost with its connection");
+    assert_eq!(told(&site)[count], "");
+}
+
+#[test]
+fn another_number_leaves_no_list_behind_under_the_old_one() {
+    let mut site = Site::new();
+    set(&mut site.snapshot, "P485", 1.0);
+    let list = format!("kt830/hall 2/{NODE}/orders");
+    let told = |site: &Site| -> Vec<bool> {
+        site.broker.sent.iter().filter(|sent| sent.topic == list).map(|sent| sent.payload.is_empty()).collect()
+    };
+    site.until("the list", |site| told(site) == [false]);
+    set(&mut site.snapshot, "P482", 124.0);
+    site.until_born_as("kt830-gc-000124");
+    assert_eq!(told(&site), [false, true]);
 }
 
 #[test]

@@ -6,9 +6,9 @@ use kt830::defs::part_verdict::PartVerdict;
 use kt830::gateway::Gateway;
 use kt830::link::network::BrokerState;
 
-use super::part;
 use super::site::{NODE, Site};
 use super::test_broker::Manners;
+use super::{part, set};
 
 #[test]
 fn every_result_reaches_the_broker_over_losses_of_connection_and_power() {
@@ -91,4 +91,24 @@ fn results_that_the_control_has_forgotten_are_counted() {
     }
     site.until("the results", |site| site.results().len() == 3);
     site.until("the gap", |site| site.view().lost == 3);
+}
+
+/// Results that were told under the old number are not told again under the new one; a size that is typed then is.
+#[test]
+fn another_number_of_the_machine_repeats_no_result() {
+    let mut site = Site::new();
+    (1..=3).for_each(|count| site.finish_part(count));
+    site.until("the results", |site| site.results().len() == 3 && site.view().waiting == 0);
+    set(&mut site.snapshot, "P482", 124.0);
+    let under_new_name = |site: &Site| -> Vec<String> {
+        let parts = site.broker.sent.iter().filter(|sent| sent.topic == "kt830/hall 2/kt830-gc-000124/part");
+        parts.map(|sent| String::from_utf8(sent.payload.to_vec()).unwrap()).collect()
+    };
+    site.until_born_as("kt830-gc-000124");
+    site.steps(200);
+    assert_eq!(under_new_name(&site), [""; 0]);
+    site.snapshot.production.parts.entries_mut()[1].verdict = PartVerdict::Out { partly: false };
+    site.until("the changed one", |site| !under_new_name(site).is_empty());
+    site.steps(200);
+    assert!(under_new_name(&site).len() == 1 && under_new_name(&site)[0].contains("\"part\":2,"));
 }

@@ -81,6 +81,12 @@ impl Site {
         self.until("a birth", |site| site.births().len() > births);
     }
 
+    /// Steps until it is there under a name.
+    pub fn until_born_as(&mut self, node: &str) {
+        let topic = format!("spBv1.0/hall 2/NBIRTH/{node}");
+        self.until("its name", |site| site.topics().contains(&topic.as_str()));
+    }
+
     pub fn topics(&self) -> Vec<&str> {
         self.broker.sent.iter().map(|sent| sent.topic.as_str()).collect()
     }

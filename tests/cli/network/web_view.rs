@@ -329,6 +329,24 @@ fn other_computers_look_in_tls_and_with_the_password_alone() {
     assert!(guarded.ask(Some("correct horse")).starts_with("HTTP/1.1 200 "));
 }
 
+/// Another password holds at once, a removed one closes the port: no earlier version of the file is read.
+#[test]
+fn another_password_of_the_viewers_holds_at_once() {
+    let mut guarded = GuardedView::new();
+    assert!(guarded.ask(Some("correct horse")).starts_with("HTTP/1.1 200 "));
+    set_viewer_password(guarded.folder.path(), "battery staple", Vec::new()).unwrap();
+    // Looked at every 2 s.
+    (0..110).for_each(|_| guarded.shop.step());
+    assert!(guarded.ask(Some("correct horse")).starts_with("HTTP/1.1 401 "));
+    assert!(guarded.ask(Some("battery staple")).starts_with("HTTP/1.1 200 "));
+    let file = guarded.folder.path().join("web.ron");
+    std::fs::remove_file(&file).unwrap();
+    assert!(file.with_extension("ron.bak").exists(), "the earlier version is still there");
+    (0..110).for_each(|_| guarded.shop.step());
+    let view = guarded.shop.gateway.view().web;
+    assert!(matches!(&view.state, ServiceState::Failed(why) if why.en().contains("no password")), "{view:?}");
+}
+
 #[test]
 fn a_view_for_other_computers_answers_nobody_without_tls() {
     let mut guarded = GuardedView::new();
