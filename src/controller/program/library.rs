@@ -16,6 +16,8 @@ const MAX_CALLED: usize = 32;
 #[derive(Clone, Debug, Default)]
 pub struct Programs {
     rows: Vec<StoredProgram>,
+    /// What each of them starts, with those that it calls: asked for in each tick.
+    started: Vec<StartedUnits>,
     duplicates: Vec<DuplicateNumber>,
 }
 
@@ -100,19 +102,25 @@ impl Programs {
         let same = rows.chunk_by(|one, next| one.number == next.number).filter(|group| group.len() > 1);
         let duplicates = same.map(DuplicateNumber::of).collect();
         rows.dedup_by_key(|row| row.number);
-        Self { rows, duplicates }
+        Self { rows, started: Vec::new(), duplicates }.with_started_units()
+    }
+
+    fn with_started_units(mut self) -> Self {
+        self.started = self.rows.iter().map(|row| self.follow_calls(row.number)).collect();
+        self
     }
 
     /// Adds programs; a program with an existing number replaces the old one. Of two of them with the same number
     /// neither is called.
     pub fn replace(&mut self, programs: Vec<StoredProgram>) {
-        let Self { rows: programs, duplicates } = Self::new(programs);
+        let Self { rows: programs, duplicates, .. } = Self::new(programs);
         let is_replaced = |number: u32| programs.iter().any(|program| program.number == number);
         self.rows.retain(|row| !is_replaced(row.number));
         self.duplicates.retain(|twice| !is_replaced(twice.number));
         self.duplicates.extend(duplicates);
         self.rows.extend(programs);
         self.rows.sort_by_key(|row| row.number);
+        *self = std::mem::take(self).with_started_units();
     }
 
     /// Whether a program is among these.
@@ -139,13 +147,21 @@ impl Programs {
     /// The program with a number.
     #[must_use]
     pub fn get(&self, number: u32) -> Option<&StoredProgram> {
-        self.rows.binary_search_by_key(&number, |row| row.number).ok().and_then(|index| self.rows.get(index))
+        self.rows.get(self.index(number)?)
+    }
+
+    fn index(&self, number: u32) -> Option<usize> {
+        self.rows.binary_search_by_key(&number, |row| row.number).ok()
     }
 
     /// The units that a program or one that it calls starts (K3.4, K3.7). With more than [`MAX_CALLED`] programs they
     /// count as started. What a program computes (M#1, P#2) is not found: the interlock stops it at its M code.
     #[must_use]
     pub fn started_units(&self, number: u32) -> StartedUnits {
+        self.index(number).and_then(|index| self.started.get(index)).copied().unwrap_or_default()
+    }
+
+    fn follow_calls(&self, number: u32) -> StartedUnits {
         let (mut seen, mut count, mut next) = ([number; MAX_CALLED], 1, 0);
         let mut found = StartedUnits::default();
         while next < count {
