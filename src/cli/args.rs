@@ -160,6 +160,15 @@ pub struct DemoArgs {
     /// Folder for pictures of the pages visited; no display is needed
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Folder for the pictures of a film: frame-00001.png and on; no display is needed
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    pub record: Option<PathBuf>,
+    /// Pictures of the film a second
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=60), requires = "record")]
+    pub fps: u32,
+    /// In a window; otherwise the demonstration has the whole display
+    #[arg(long)]
+    pub windowed: bool,
 }
 
 /// `kt830 run`

@@ -3,7 +3,7 @@
 //! Source: spec tools.md T2.
 
 use super::args::{DemoArgs, SharedArgs};
-use super::play::{StoryFile, demo_story, read_story};
+use super::play::{StoryFile, demo_story, film_story, read_story};
 use super::run::size_lines;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::host::headless::HeadlessHost;
@@ -14,16 +14,34 @@ use crate::story::{Statement, play::state_report};
 /// # Errors
 /// The call or a file is wrong.
 pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
+    let has_spectators = call.record.is_some() || has_display();
     let told = match &call.story {
         Some(path) => read_story(path, shared.kind)?,
+        None if has_spectators => film_story(shared)?,
         None => demo_story(shared)?,
     };
     let shared = SharedArgs { kind: told.kind, ..shared.clone() };
     #[cfg(feature = "hmi")]
-    if super::window::has_display() {
-        return live::play(&shared, told);
+    if let Some(folder) = &call.record {
+        return super::film::record(&shared, &told, folder, call.fps);
+    }
+    #[cfg(not(feature = "hmi"))]
+    if call.record.is_some() {
+        return Err(CallError::new("--record: this build has no screen, build it with the feature hmi"));
+    }
+    #[cfg(feature = "hmi")]
+    if has_spectators {
+        return live::play(&shared, told, !call.windowed);
     }
     headless(&shared, call, &told)
+}
+
+#[cfg(feature = "hmi")]
+use super::window::has_display;
+
+#[cfg(not(feature = "hmi"))]
+const fn has_display() -> bool {
+    false
 }
 
 fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8, CallError> {
@@ -90,10 +108,10 @@ mod live {
     use super::super::{CallError, serve, setup, story_loop, window};
     use crate::host::thread::start;
 
-    pub fn play(shared: &SharedArgs, told: StoryFile) -> Result<u8, CallError> {
+    pub fn play(shared: &SharedArgs, told: StoryFile, fullscreen: bool) -> Result<u8, CallError> {
         let host = setup::threaded_host(shared, false, setup::simulated_for_display)?;
         let mut link = start(host, move |thread| story_loop::repeat(thread, &told)).map_err(CallError::new)?;
         let _network = serve::start_network(&mut link, shared)?;
-        window::show(link, shared, false)
+        window::show(link, shared, fullscreen)
     }
 }

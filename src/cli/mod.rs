@@ -14,6 +14,8 @@ mod checked_file;
 mod codes;
 mod cycle_time;
 mod demo;
+#[cfg(feature = "hmi")]
+mod film;
 mod finished_size_check;
 mod fleet;
 mod leadscrew;

@@ -63,6 +63,17 @@ pub fn demo_story(shared: &SharedArgs) -> Result<StoryFile, CallError> {
     Ok(StoryFile { kind, lines, folder: ".".into() })
 }
 
+/// The story for spectators, with captions; where a kind has none, [`demo_story`].
+///
+/// # Errors
+/// Never with the stories of the program.
+pub fn film_story(shared: &SharedArgs) -> Result<StoryFile, CallError> {
+    let kind = shared.requested_kind.unwrap_or_default();
+    let Some(story) = kind.row().film_story else { return demo_story(shared) };
+    let (kind, lines) = parse(story, kind).map_err(CallError::new)?;
+    Ok(StoryFile { kind, lines, folder: ".".into() })
+}
+
 /// The stage of `kt830 play`: a headless host that stops at a time and writes a trace.
 struct TracedStage {
     host: HeadlessHost,

@@ -4,6 +4,7 @@ use super::play::StoryFile;
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::ThreadedStorage;
 use crate::host::thread::HostThread;
+use crate::link::demo_view::DemoView;
 use crate::link::snapshot::RunState;
 use crate::story::{Player, Stage};
 use crate::units::Micros;
@@ -18,6 +19,12 @@ pub fn repeat(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: 
     while !thread.is_stopped() {
         play_once(thread, told);
     }
+}
+
+/// The time that is left until the story goes on, in seconds that are begun.
+fn taken_over(left: Micros) -> DemoView {
+    let seconds = |time: Micros| time.as_secs_f64().ceil() as u32;
+    DemoView::TakenOver { seconds_left: seconds(left), of: seconds(IDLE) }
 }
 
 /// Plays the story once. A touch stops it; then this waits until there is no input.
@@ -38,6 +45,7 @@ fn play_once(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &
     }
     drop(player);
     let quiet = if thread.is_touched() { IDLE } else { PAUSE };
+    let is_taken_over = thread.is_touched();
     let mut quiet_since = thread.host().now();
     while !thread.is_stopped() {
         thread.turn();
@@ -45,7 +53,11 @@ fn play_once(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &
         if thread.take_touched() || thread.host().controller().state() == RunState::Running {
             quiet_since = now;
         }
+        if is_taken_over {
+            thread.host().show_demo(taken_over(quiet.since(now.since(quiet_since))));
+        }
         if now.since(quiet_since) > quiet {
+            thread.host().show_demo(DemoView::Silent);
             return;
         }
     }

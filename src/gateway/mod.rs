@@ -44,6 +44,7 @@ use self::web_access::WebAccess;
 pub use self::web_access::set_viewer_password;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
+use crate::link::host_view::HostView;
 use crate::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView, TlsView};
 use crate::link::observed::ObservedSnapshot;
 use crate::link::production::OrderProposal;
@@ -253,7 +254,8 @@ impl Gateway {
         if let Some(pictures) = &mut self.pictures {
             pictures.step();
             if wants_picture && pictures.is_due(now) {
-                pictures.ask(now, Snapshot { network, ..snapshot.clone() });
+                let host = HostView { network, ..snapshot.host.clone() };
+                pictures.ask(now, Snapshot { host, ..snapshot.clone() });
             }
         }
     }

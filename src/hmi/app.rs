@@ -15,7 +15,7 @@ use super::panel::OperatorPanel;
 use super::panel::layout::panel_layout;
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
-use super::{EditKey, KeyboardInput, View, aside, blink_phase, clock_time, file_command, keyboard};
+use super::{EditKey, KeyboardInput, View, aside, blink_phase, clock_time, demo_band, file_command, keyboard};
 use crate::defs::favourite::Favourite;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
@@ -183,7 +183,8 @@ impl Hmi {
         }
         asked.edits.splice(..0, self.pad.take_touched());
         let to_closing = self.edits_for_closing(&view, &mut asked);
-        let (content, strip) = aside::split(regions.content, snapshot.page);
+        let (content, band) = demo_band::split(regions.content, &snapshot.host.demo);
+        let (content, strip) = aside::split(content, snapshot.page);
         if let Some(strip) = strip {
             aside::ui(&view, strip);
             frame.entry.set(None);
@@ -193,6 +194,9 @@ impl Hmi {
             self.handle_help(&view, touch, &mut out);
         } else {
             self.draw_page(content, &view, &asked, &mut out);
+        }
+        if let Some(band) = band {
+            demo_band::ui(&view, band);
         }
         self.closing.ui(content, &view, &to_closing, &mut out);
         let typing = !self.help_open && self.pages.wants_pad(&view) || self.closing.wants_pad();

@@ -8,6 +8,7 @@ pub mod app;
 pub mod aside;
 mod closing;
 pub mod core_fault;
+mod demo_band;
 pub mod field_editor;
 mod guarded_question;
 mod key_press;

@@ -106,7 +106,9 @@ compared_fields! {
     bus: |old, new, page| {
         old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Bus) && old != new
     };
-    network: on(FieldGroup::Network, differ);
+    host: |old, new, page| {
+        old.demo != new.demo || shown_fields(page).contains(&FieldGroup::Network) && old.network != new.network
+    };
     scope: on(FieldGroup::Scope, differ);
     stock: on(FieldGroup::Stock, differ);
     files: replaced;

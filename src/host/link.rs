@@ -89,7 +89,7 @@ impl HostLink {
             self.network.newest = self.network.views.output_buffer_mut().take().map(Arc::new);
         }
         let newest = self.snapshots.output_buffer_mut();
-        newest.network.clone_from(&self.network.newest);
+        newest.host.network.clone_from(&self.network.newest);
         newest
     }
 

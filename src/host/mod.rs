@@ -52,6 +52,7 @@ use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::trace::TraceRow;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::Command;
+use crate::link::demo_view::DemoView;
 use crate::link::page_command::{DataChoice, PageCommand, StorageAnswer};
 use crate::link::production::PartInspection;
 use crate::link::screens::Screens;
@@ -116,6 +117,8 @@ pub struct Host<P, S> {
     powered: bool,
     /// Times of its thread; nothing of a host that is stepped.
     times: ThreadTimes,
+    /// What spectators of a demonstration are told.
+    demo: DemoView,
     snapshot: Snapshot,
 }
 
@@ -150,6 +153,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             now,
             powered: true,
             times: ThreadTimes::default(),
+            demo: DemoView::Silent,
             snapshot: Snapshot::new(kind),
         };
         host.take_arrivals();
@@ -491,6 +495,12 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         if !self.powered {
             into.clear_for_power_off();
         }
+        into.host.demo.clone_from(&self.demo);
+    }
+
+    /// Tells spectators of a demonstration something; the control knows nothing of it.
+    pub fn show_demo(&mut self, demo: DemoView) {
+        self.demo = demo;
     }
 
     /// The snapshot that a page would show now.
@@ -501,6 +511,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         if !self.powered {
             self.snapshot.clear_for_power_off();
         }
+        self.snapshot.host.demo.clone_from(&self.demo);
         &self.snapshot
     }
 

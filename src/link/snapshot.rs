@@ -9,8 +9,8 @@ use super::command::Command;
 use super::cycle::CycleView;
 use super::edit::{EditAnswer, ModalView, OffsetTables};
 use super::files::FilesView;
+use super::host_view::HostView;
 use super::internal_signal::{InternalSignal, InternalSignalSet};
-use super::network::NetworkView;
 use super::page_command::KeptState;
 use super::part_result::SizeValues;
 use super::production::ProductionView;
@@ -316,8 +316,8 @@ pub struct Snapshot {
     pub simulated: Option<Arc<SimView>>,
     /// The field bus, if the machine is a real one.
     pub bus: Option<Arc<BusView>>,
-    /// The network services; none where the control runs without them. The screen puts it in: the core knows no network.
-    pub network: Option<Arc<NetworkView>>,
+    /// What the core does not know: network services, demonstration.
+    pub host: HostView,
     /// The scope.
     pub scope: ScopeView,
     /// Boxes of the workpiece and its fixture, as far as known.
@@ -447,7 +447,7 @@ impl Snapshot {
             params: Arc::new(Params::factory(kind)),
             simulated: None,
             bus: None,
-            network: None,
+            host: HostView::default(),
             scope: ScopeView::default(),
             stock: Arc::from([]),
             files: Arc::default(),

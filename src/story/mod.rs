@@ -3,8 +3,10 @@
 
 pub mod parse;
 pub mod play;
+mod stage;
 pub mod statement;
 
 pub use parse::parse;
-pub use play::{PageReader, Player, Stage};
+pub use play::{PageReader, Player};
+pub use stage::{NOT_TORTURED, Stage};
 pub use statement::{Statement, StoryError, StoryLine};

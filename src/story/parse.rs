@@ -12,6 +12,7 @@ use crate::defs::param::ParamAddress;
 use crate::defs::production_order::{OrderValue, OrderValues};
 use crate::defs::scope_signal::ScopeSignal;
 use crate::defs::signal::{Input, Output, PORTS};
+use crate::defs::text::LocalizedText;
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::{DataChoice, PageCommand, PasswordScope, Secret};
@@ -172,13 +173,13 @@ impl LineParser {
             "export" => Statement::Transfer(Direction::Export, self.transfer_set()?),
             "import" => Statement::Transfer(Direction::Import, self.transfer_set()?),
             "stall" => Statement::Stall,
-            "unlock" | "password" | "accept" => Statement::Settings(self.settings(&verb)?),
-            "scope" => Statement::Settings(PageCommand::Scope(self.scope()?)),
+            "unlock" | "password" | "accept" | "scope" => Statement::Settings(self.settings(&verb)?),
             "order" => Statement::Order(self.order()?),
             "propose-order" => Statement::ProposeOrder(self.order_of_shop()?),
             "disk" => Statement::Disk(self.disk()?),
             "screen" => Statement::ScreenHangs(self.screen_hangs()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
+            "caption" => Statement::Caption(self.caption()?),
             "sheet" => Statement::Sheet(self.one_of("a sheet from 1", |word| word.parse().ok().filter(|n| *n > 0))?),
             "input" => self.input()?,
             "fault" => self.fault()?,
@@ -207,6 +208,9 @@ impl LineParser {
     }
 
     fn settings(&mut self, verb: &str) -> Result<PageCommand, StoryError> {
+        if verb == "scope" {
+            return Ok(PageCommand::Scope(self.scope()?));
+        }
         if verb == "accept" {
             let choice = |word: &str| (word == "data").then_some(DataChoice::Present);
             return Ok(PageCommand::AcceptData(self.one_of("`data`", choice)?));
@@ -517,6 +521,16 @@ impl LineParser {
 
     fn on_off(&mut self) -> Result<bool, StoryError> {
         self.one_of("on or off", on_off)
+    }
+
+    fn caption(&mut self) -> Result<Option<LocalizedText>, StoryError> {
+        let zh = self.one_of("off, or two texts in quotes", |word| {
+            (word == "off").then(String::new).or_else(|| word.strip_prefix('"').map(str::to_owned))
+        })?;
+        if zh.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(LocalizedText::new(zh, self.quoted()?)))
     }
 
     fn quoted(&mut self) -> Result<String, StoryError> {

@@ -3,20 +3,19 @@
 
 use std::path::{Path, PathBuf};
 
-use super::statement::{DiskCondition, Expectation, InputForce, Quantity, Statement, StoryLine, WaitCondition};
+use super::stage::Stage;
+use super::statement::{Expectation, InputForce, Quantity, Statement, StoryLine, WaitCondition};
 use crate::defs::key::{Key, Mode};
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
-use crate::defs::text::Lang;
+use crate::defs::text::{Lang, LocalizedText};
 use crate::host::Host;
-use crate::host::headless::HeadlessHost;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::part::PartRule;
-use crate::host::simulated::HostedSimulation;
-use crate::host::storage::{DirectStorage, Storage};
-use crate::host::thread::HostThread;
+use crate::host::storage::Storage;
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::link::command::Command;
+use crate::link::demo_view::DemoView;
 use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::media::{Direction, TransferRequest, TransferSet};
 use crate::link::page_command::PageCommand;
@@ -41,93 +40,8 @@ const PART_TIMEOUT: Micros = Micros::from_millis(2_000);
 /// Maximum duration of homing.
 const HOMING_TIMEOUT: Micros = Micros::from_millis(300_000);
 
-/// Why a disk or a screen does not behave as a story wants.
-pub const NOT_TORTURED: &str = "only a tortured control has a simulated disk and a screen that hangs";
-
 /// Reads the texts of the open page for `expect page … shows`. A build without the screen has none.
 pub type PageReader = Box<dyn Fn(&Snapshot) -> Vec<String>>;
-
-/// What a story is played on: a host that is stepped, or one turn of a host on a thread.
-pub trait Stage {
-    /// Machine of the host.
-    type Machine: HostedMachine;
-    /// Storage of the host.
-    type Storage: Storage;
-    /// The host.
-    fn host(&mut self) -> &mut Host<Self::Machine, Self::Storage>;
-    /// One tick.
-    fn step(&mut self);
-    /// Cuts the power of the control.
-    fn power_cut(&mut self);
-    /// Gives the power back.
-    fn power_on(&mut self);
-    /// Changes how the disk behaves.
-    ///
-    /// # Errors
-    /// The disk is a real one.
-    fn set_disk(&mut self, _condition: DiskCondition) -> Result<(), String> {
-        Err(NOT_TORTURED.to_owned())
-    }
-    /// The screen hangs from now on for some seconds.
-    ///
-    /// # Errors
-    /// The stage has no screen that could.
-    fn hang_screen(&mut self, _seconds: f64) -> Result<(), String> {
-        Err(NOT_TORTURED.to_owned())
-    }
-    /// Whether the story is to end: the operator has touched the screen (demo), or the time is over.
-    fn is_interrupted(&self) -> bool;
-}
-
-impl Stage for HeadlessHost {
-    type Machine = HostedSimulation;
-    type Storage = DirectStorage;
-
-    fn host(&mut self) -> &mut Self {
-        self
-    }
-
-    fn step(&mut self) {
-        Self::step(self);
-    }
-
-    fn power_cut(&mut self) {
-        Self::power_cut(self);
-    }
-
-    fn power_on(&mut self) {
-        Self::power_on(self);
-    }
-
-    fn is_interrupted(&self) -> bool {
-        false
-    }
-}
-
-impl<P: HostedMachine, S: Storage> Stage for HostThread<P, S> {
-    type Machine = P;
-    type Storage = S;
-
-    fn host(&mut self) -> &mut Host<P, S> {
-        Self::host(self)
-    }
-
-    fn step(&mut self) {
-        self.turn();
-    }
-
-    fn power_cut(&mut self) {
-        Self::host(self).power_cut();
-    }
-
-    fn power_on(&mut self) {
-        Self::host(self).power_on();
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.is_touched() || self.is_stopped()
-    }
-}
 
 /// Plays a story. Waiting ends at once when the stage is interrupted.
 pub struct Player<'a, G: Stage> {
@@ -212,6 +126,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::ProposeOrder(proposal) => self.send(Command::ProposeOrder(*proposal)),
             Statement::Disk(condition) => self.stage.set_disk(*condition),
             Statement::ScreenHangs(seconds) => self.stage.hang_screen(*seconds),
+            Statement::Caption(caption) => self.tell_spectators(caption.clone()),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
             Statement::Input(name, force) => self.force_input(name, *force),
@@ -231,6 +146,11 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Screw(axis, file) => self.screw(*axis, file),
             Statement::Expect(expectation) => self.expect(expectation),
         }
+    }
+
+    fn tell_spectators(&mut self, caption: Option<LocalizedText>) -> Result<(), String> {
+        self.host().show_demo(caption.map_or(DemoView::Silent, DemoView::Caption));
+        self.wait_for_answer()
     }
 
     fn write_program(&mut self, number: u32, text: &str) -> Result<(), String> {

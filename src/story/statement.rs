@@ -6,6 +6,7 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output};
+use crate::defs::text::LocalizedText;
 use crate::io::sim::EventKind;
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::PageCommand;
@@ -178,6 +179,8 @@ pub enum Statement {
     WaitUntil(WaitCondition, f64),
     /// `seed 7`
     Seed(u64),
+    /// `caption "砂轮启动" "the wheel starts"`: what spectators are told; `caption off`: nothing
+    Caption(Option<LocalizedText>),
     /// `sheet 2` of a grinding page with several sheets; the first is 1
     Sheet(usize),
     /// `write O2001 "G00 X50"`: makes a program, or replaces its text.

@@ -138,6 +138,35 @@ fn t2_the_demo_grinds_a_part_without_a_display() {
 }
 
 #[test]
+fn t2_a_film_has_a_picture_for_each_moment_and_says_what_cannot_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let (story, film) = (folder.path().join("short.story"), folder.path().join("film"));
+    std::fs::write(&story, "kind gc\npower on\npage home\ncaption \"一\" \"one\"\nwait 2 s\n").unwrap();
+    let (story, film) = (story.to_str().unwrap(), film.to_str().unwrap());
+    let out = kt830(&["demo", story, "--record", film, "--fps", "4"]);
+    assert_eq!(status(&out), 0, "{}", errors(&out));
+    // Two seconds, a few ticks of answers, and the picture at the begin.
+    let names: Vec<_> = (1..=9).map(|number| format!("frame-{number:05}.png")).collect();
+    assert!(names.iter().all(|name| Path::new(film).join(name).exists()));
+    assert!(!Path::new(film).join("frame-00010.png").exists());
+    // A story that fails is filmed to its end, and told.
+    std::fs::write(story, "kind gc\npower on\nexpect state running\nwait 1 s\n").unwrap();
+    let out = kt830(&["demo", story, "--record", film, "--fps", "1"]);
+    assert_eq!(status(&out), 1);
+    assert!(String::from_utf8_lossy(&out.stdout).contains("FAIL  line 3"), "{out:?}");
+    for (words, said) in [
+        (&["demo", "--fps", "5"][..], "--record"),
+        (&["demo", "--record", film, "--fps", "0"], "--fps"),
+        (&["demo", "--record", film, "--out", film], "--out"),
+        (&["demo", story, "--record", &format!("{story}/x")], "--record"),
+    ] {
+        let out = kt830(words);
+        assert_eq!(status(&out), 2, "{words:?}");
+        assert!(errors(&out).contains(said), "{}", errors(&out));
+    }
+}
+
+#[test]
 fn t4_what_comes_along_has_no_mistake() {
     let gc = [
         "1001", "1002", "1003", "1004", "1005", "1006", "1011", "1012", "1015", "1016", "1017", "1018", "1019", "1020",

@@ -5,6 +5,7 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param::ParamAddress;
 use kt830::defs::signal::Output;
+use kt830::defs::text::LocalizedText;
 use kt830::io::sim::EventKind;
 use kt830::link::media::{Direction, TransferSet};
 use kt830::link::snapshot::RunState;
@@ -48,6 +49,9 @@ fn t5_every_statement_of_the_specification_is_read() {
     assert_eq!(one("export backup"), Statement::Transfer(Direction::Export, TransferSet::Backup));
     assert_eq!(one("import variables"), Statement::Transfer(Direction::Import, TransferSet::Variables));
     assert_eq!(one("stall"), Statement::Stall);
+    let told = LocalizedText::new("砂轮启动", "the wheel starts");
+    assert_eq!(one("caption \"砂轮启动\" \"the wheel starts\""), Statement::Caption(Some(told)));
+    assert_eq!(one("caption off"), Statement::Caption(None));
     assert_eq!(one("wait 200 ms"), Statement::Wait(0.2));
     assert_eq!(one("wait until X<10.5 max 5 s"), Statement::WaitUntil(WaitCondition::Axis(Axis::X, true, 10.5), 5.0));
     assert_eq!(one("wait until idle"), Statement::WaitUntil(WaitCondition::State(RunState::Idle), 60.0));
@@ -91,5 +95,7 @@ fn t5_what_is_not_of_the_language_is_refused_with_its_place() {
     assert_eq!(fault("fault off"), (1, 7));
     assert_eq!(fault("fault stuck-on nothing"), (1, 7));
     assert_eq!(fault("expect event bang"), (1, 14));
+    assert_eq!(fault("caption words"), (1, 9));
+    assert_eq!(fault("caption \"砂轮启动\""), (1, 15));
     assert_eq!(fault("power on\nkind gc"), (2, 1));
 }

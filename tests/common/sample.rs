@@ -380,7 +380,7 @@ pub fn busy(page: Page) -> Snapshot {
         lathe_workspace: None,
     }));
     snapshot.bus = Some(Arc::new(bus(None)));
-    snapshot.network = Some(Arc::new(network(ServiceState::Listening)));
+    snapshot.host.network = Some(Arc::new(network(ServiceState::Listening)));
     let set = |name: &str| match name {
         name if name.starts_with('O') => TransferSet::Programs,
         name if name.ends_with("TAR") => TransferSet::Backup,
@@ -611,7 +611,7 @@ pub fn troubled(page: Page) -> Snapshot {
     snapshot.date = Some(DateTime(1_795_273_316));
     snapshot.bus = Some(Arc::new(bus(Some(BusFault::DeviceMissing { device: 9 }.text()))));
     let why = LocalizedText::new("端口已被别的程序占用", "the port is in use");
-    snapshot.network = Some(Arc::new(network(ServiceState::Failed(why))));
+    snapshot.host.network = Some(Arc::new(network(ServiceState::Failed(why))));
     snapshot
 }
 

@@ -15,6 +15,7 @@ mod bus;
 mod checklist;
 mod closing;
 mod core_fault;
+mod demo_band;
 mod designer;
 mod dressing_point;
 mod editor;

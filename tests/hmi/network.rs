@@ -11,7 +11,7 @@ use kt830::link::network::{BrokerState, BrokerView, NetworkView, OpcUaView, Serv
 
 fn with(mtconnect: ServiceView) -> Snapshot {
     let mut snapshot = crate::sample::busy(Page::Network);
-    snapshot.network = Some(Arc::new(NetworkView { mtconnect, ..NetworkView::default() }));
+    snapshot.host.network = Some(Arc::new(NetworkView { mtconnect, ..NetworkView::default() }));
     snapshot
 }
 
@@ -68,7 +68,7 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
         connections: 2,
     };
     let mut said = |mqtt: BrokerView| {
-        snapshot.network = Some(Arc::new(NetworkView { mqtt, ..NetworkView::default() }));
+        snapshot.host.network = Some(Arc::new(NetworkView { mqtt, ..NetworkView::default() }));
         page_text(&snapshot, Lang::En).join("\n")
     };
     let texts = said(broker.clone());
@@ -102,7 +102,7 @@ fn b6_the_network_page_shows_the_opc_ua_server_and_the_conditions() {
         untrusted: 7,
         certificate_until: DateTime::from_parts([2046, 2, 27, 12, 0, 0]),
     };
-    snapshot.network = Some(Arc::new(NetworkView { opcua, ..NetworkView::default() }));
+    snapshot.host.network = Some(Arc::new(NetworkView { opcua, ..NetworkView::default() }));
     let texts = page_text(&snapshot, Lang::En).join("\n");
     for said in ["grinder12:4840", "2 clients", "untrusted certificates", "certificate until 2046-02-27"] {
         assert!(texts.contains(said), "{said}: {texts}");
@@ -112,7 +112,7 @@ fn b6_the_network_page_shows_the_opc_ua_server_and_the_conditions() {
 #[test]
 fn b6_a_control_without_a_gateway_says_that_there_is_no_network() {
     let mut snapshot = crate::sample::busy(Page::Network);
-    snapshot.network = None;
+    snapshot.host.network = None;
     let texts = page_text(&snapshot, Lang::Zh);
     assert!(texts.iter().any(|text| text.contains("没有网络")), "{texts:?}");
 }

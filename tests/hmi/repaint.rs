@@ -21,6 +21,7 @@ use kt830::defs::text::{Lang, LocalizedText};
 use kt830::hmi::Hmi;
 use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::hmi::repaint::{FIELDS, LiveScreen, changed_field};
+use kt830::link::demo_view::DemoView;
 use kt830::link::files::FileRequest;
 use kt830::link::internal_signal::InternalSignal;
 use kt830::link::page_command::{KeptState, PageCommand};
@@ -96,7 +97,7 @@ const CHANGES: &[Change] = &[
     ("params", Page::Mdi, |machine| machine.params = Arc::new((*machine.params).clone())),
     ("simulated", Page::Simulator, |machine| load(machine, 64.0)),
     ("bus", Page::Bus, |machine| machine.bus = Some(Arc::default())),
-    ("network", Page::Network, |machine| machine.network = Some(Arc::default())),
+    ("host", Page::Network, |machine| machine.host.network = Some(Arc::default())),
     ("scope", Page::Scope, |machine| machine.scope.state = ScopeState::Armed),
     ("stock", Page::Graphic, |machine| machine.stock = busy(machine.page).stock),
     ("files", Page::Transfer, |machine| machine.files = busy(machine.page).files),
@@ -156,6 +157,11 @@ fn h8_whatever_changes_on_a_page_is_painted() {
         change(&mut machine);
         assert_eq!(changed_field(&before, &machine), Some(*name), "{name} on {page:?}");
     }
+    // On every page.
+    let before = at_rest(Page::Alarm);
+    let mut machine = before.clone();
+    machine.host.demo = DemoView::TakenOver { seconds_left: 1, of: 2 };
+    assert_eq!(changed_field(&before, &machine), Some("host"));
 }
 
 /// The other way round: whatever a row leaves out on a page must not be seen there.

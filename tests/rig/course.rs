@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use kt830::defs::signal::Output;
 use kt830::host::Host;
 use kt830::link::snapshot::Snapshot;
-use kt830::story::play::Stage;
+use kt830::story::Stage;
 use kt830::units::Axis;
 
 /// The values of each quantity, each once until it changes.

@@ -25,8 +25,9 @@ use kt830::io::fieldbus::description::MachineDescription;
 use kt830::io::fieldbus::station::StationLink;
 use kt830::io::trace::TraceRow;
 use kt830::link::snapshot::Snapshot;
+use kt830::story::Stage;
 use kt830::story::parse::parse;
-use kt830::story::play::{Player, Stage, state_report};
+use kt830::story::play::{Player, state_report};
 use kt830::units::Percentiles;
 
 use crate::course::{Course, Observed};

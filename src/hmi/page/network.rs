@@ -46,7 +46,7 @@ impl PageUi for NetworkPage {
 
     fn ui(&mut self, ctx: PageContext<'_>) {
         let PageContext { rect, view, typed, .. } = ctx;
-        let Some(network) = view.snapshot.network.as_deref() else {
+        let Some(network) = view.snapshot.host.network.as_deref() else {
             let remedy = view.text("此控制没有网络服务。", "This control runs without network services.");
             return empty::show(view, rect, pictogram::NO_PAGE, view.text("没有网络", "no network"), remedy);
         };

@@ -75,7 +75,7 @@ fn a_browser_gets_the_picture_once_it_is_painted_at_most_one_a_second() {
     let (painted, count) = crossbeam_channel::unbounded();
     let painter: Painter = Box::new(move |snapshot| {
         painted.send(snapshot.parts_counted).unwrap();
-        assert!(snapshot.network.as_ref().is_some_and(|network| network.web.state == ServiceState::Listening));
+        assert!(snapshot.host.network.as_ref().is_some_and(|network| network.web.state == ServiceState::Listening));
         Some(format!("picture {}", snapshot.parts_counted).into_bytes())
     });
     let mut shop = Shop::with("P483", Some(painter));
