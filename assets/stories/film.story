@@ -4,7 +4,7 @@ power on
 page home
 caption "KT-830GC 外圆磨床数控：两分钟，从开机到磨好一根轴" "KT-830GC, a control for cylindrical grinders: two minutes from power-on to a ground shaft"
 wait 4 s
-caption "下面一排说还缺什么：液压，回零 ……" "The strip below says what is still missing: hydraulics, homing …"
+caption "页面下边一排说还缺什么：液压，回零 ……" "The strip at the foot says what is still missing: hydraulics, homing …"
 key 液压
 wait 3 s
 load O1002

@@ -26,6 +26,8 @@ const HEADING_HEIGHT: f32 = 26.0;
 const LINE_HEIGHT: f32 = 24.0;
 const FIGURE_HEIGHT: f32 = 38.0;
 const TILE_HEIGHT: f32 = 230.0;
+/// Heights are sums of fractions of a point.
+const ROUNDING: f32 = 0.5;
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -106,6 +108,10 @@ fn show_tile(rect: Rect, view: &View<'_>, tile: &Tile) -> bool {
     for of_line in &tile.lines {
         let (place, (name, value)) = (rows.band(top, height_of(of_line)), of_line);
         top += height_of(of_line);
+        if place.max.y > rows.max.y + ROUNDING {
+            // A low tile shows the first lines alone.
+            break;
+        }
         if value.is_empty() {
             view.text_rows(place, name, theme::LABEL, view.theme.text, 2);
             continue;
