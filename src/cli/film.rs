@@ -52,7 +52,7 @@ impl Stage for FilmedHost {
     fn step(&mut self) {
         self.host.step();
         if self.host.now() >= self.next && self.fault.is_none() {
-            self.next = self.host.now() + self.interval;
+            self.next = self.next + self.interval;
             self.film();
         }
     }

@@ -1,19 +1,23 @@
 //! Who paints the screen for a browser. A build without a screen has no picture.
 
-use crate::defs::text::Lang;
+use super::args::SharedArgs;
 use crate::gateway::Painter;
 
-/// A painter of the screen as PNG files.
+/// A painter of the screen as PNG files; with the favourites as they were at the start.
 #[cfg(feature = "hmi")]
-pub fn painter(lang: Lang) -> Option<Painter> {
+pub fn painter(shared: &SharedArgs) -> Option<Painter> {
     use crate::hmi::{Hmi, offscreen::OffscreenHmi};
 
     /// Size of the pictures.
     const SIZE: (u32, u32) = (1_024, 768);
 
-    let mut stage = None;
+    let (mut stage, lang, favourites) = (None, shared.lang, shared.favourites.clone());
     Some(Box::new(move |snapshot| {
-        let stage = stage.get_or_insert_with(|| OffscreenHmi::new(Hmi::new(lang), SIZE));
+        let stage = stage.get_or_insert_with(|| {
+            let mut hmi = Hmi::new(lang);
+            hmi.set_favourites(favourites.clone());
+            OffscreenHmi::new(hmi, SIZE)
+        });
         // What the page asks the control for when it opens is not sent: this is a view. It is complete in its second frame.
         (0..2).for_each(|_| drop(stage.frame(snapshot)));
         let mut png = std::io::Cursor::new(Vec::new());
@@ -24,6 +28,6 @@ pub fn painter(lang: Lang) -> Option<Painter> {
 
 /// A painter of the screen as PNG files.
 #[cfg(not(feature = "hmi"))]
-pub const fn painter(_lang: Lang) -> Option<Painter> {
+pub const fn painter(_: &SharedArgs) -> Option<Painter> {
     None
 }

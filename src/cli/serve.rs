@@ -74,7 +74,7 @@ pub fn start_network_in(
     shared: &SharedArgs,
     folder: Option<PathBuf>,
 ) -> Result<Option<GatewayThread>, CallError> {
-    let gateway = Gateway::new(painter(shared.lang));
+    let gateway = Gateway::new(painter(shared));
     let gateway = match folder {
         Some(folder) => gateway.with_folder(folder),
         None => gateway,

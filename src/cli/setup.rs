@@ -11,6 +11,7 @@ use super::CallError;
 use super::args::SharedArgs;
 use crate::controller::{PowerOnState, Programs};
 use crate::defs::alarm;
+use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::program_number;
@@ -45,7 +46,7 @@ use crate::units::Micros;
 const SIM_VIEW_INTERVAL: Micros = Micros::from_millis(100);
 
 /// Kind and language: from the call, otherwise from the machine's settings, otherwise GC and Chinese. The settings are
-/// read with `--data`, or when the control itself is opened.
+/// read with `--data`, when the control itself is opened, and for the model of the machine.
 ///
 /// # Errors
 /// The data directory or the settings in it cannot be read.
@@ -71,9 +72,21 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
     shared.kind = shared.requested_kind.or(stored.kind).unwrap_or_default();
     shared.lang = shared.requested_lang.or(stored.lang).unwrap_or_default();
     shared.light = stored.light.unwrap_or_default();
-    shared.favourites = stored.favourites;
+    shared.favourites = known_favourites(&stored.favourites);
     shared.brightness = stored.brightness.unwrap_or(shared.brightness);
     Ok(shared)
+}
+
+/// The favourites that this version knows: an unknown one stops nobody's work.
+fn known_favourites(kept: &[String]) -> Vec<Favourite> {
+    let known = |text: &String| match text.parse() {
+        Ok(favourite) => Some(favourite),
+        Err(fault) => {
+            warn_line!("kt830: settings: {fault}");
+            None
+        }
+    };
+    kept.iter().filter_map(known).collect()
 }
 
 /// The settings of a data directory, and what is wrong with them: the control starts with what is whole and says so.

@@ -44,15 +44,17 @@ fn play_once(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &
         }
     }
     drop(player);
-    let quiet = if thread.is_touched() { IDLE } else { PAUSE };
-    let is_taken_over = thread.is_touched();
+    let mut is_taken_over = thread.is_touched();
     let mut quiet_since = thread.host().now();
     while !thread.is_stopped() {
         thread.turn();
         let now = thread.host().now();
-        if thread.take_touched() || thread.host().controller().state() == RunState::Running {
+        let is_touched = thread.take_touched();
+        is_taken_over |= is_touched;
+        if is_touched || thread.host().controller().state() == RunState::Running {
             quiet_since = now;
         }
+        let quiet = if is_taken_over { IDLE } else { PAUSE };
         if is_taken_over {
             thread.host().show_demo(taken_over(quiet.since(now.since(quiet_since))));
         }

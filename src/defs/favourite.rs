@@ -2,8 +2,7 @@
 //! Source: spec H7; issue "the face", part 7.
 
 use std::fmt::{self, Display, Formatter};
-
-use serde::{Deserialize, Serialize};
+use std::str::FromStr;
 
 use super::page::Page;
 use super::param::ParamAddress;
@@ -12,8 +11,7 @@ use super::param::ParamAddress;
 pub const MAX_FAVOURITES: usize = 6;
 
 /// One favourite; written `page grinding`, `param P270`, `variable #521`, `program O1002`.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Favourite {
     /// A page.
     Page(Page),
@@ -36,17 +34,11 @@ impl Display for Favourite {
     }
 }
 
-impl From<Favourite> for String {
-    fn from(favourite: Favourite) -> Self {
-        favourite.to_string()
-    }
-}
+impl FromStr for Favourite {
+    type Err = String;
 
-impl TryFrom<String> for Favourite {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        let (what, name) = text.split_once(' ').unwrap_or((&text, ""));
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (what, name) = text.split_once(' ').unwrap_or((text, ""));
         let found = match what {
             "page" => Page::from_id(name).map(Self::Page),
             "param" => ParamAddress::parse(name).map(Self::Param),

@@ -56,7 +56,7 @@ const PERIOD: Duration = Duration::from_millis(20);
 const VIEW_INTERVAL: Duration = Duration::from_secs(1);
 /// A port that cannot be opened is tried again after this time.
 const RETRY_INTERVAL: Duration = Duration::from_secs(5);
-/// Time between two looks whether viewers have got another password or certificate.
+/// Time between two looks whether `web.ron` was written: viewers have got another password or certificate.
 const ACCESS_INTERVAL: Duration = Duration::from_secs(2);
 /// A control without a new snapshot for so long stands still: its agents lose the connection and know it.
 const LONGEST_STANDSTILL: Duration = Duration::from_secs(2);
@@ -260,7 +260,7 @@ impl Gateway {
         }
     }
 
-    /// Another password or certificate of viewers holds at once: their port is opened anew.
+    /// Another password or certificate of viewers that `kt830 web-access` has made holds soon: their port is opened anew.
     fn follow_access(&mut self, now: Duration) {
         if now < self.access_look_at {
             return;

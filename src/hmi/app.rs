@@ -197,6 +197,7 @@ impl Hmi {
         }
         if let Some(band) = band {
             demo_band::ui(&view, band);
+            out.extend(demo_band::is_touched(ui).then_some(Command::TakeOver));
         }
         self.closing.ui(content, &view, &to_closing, &mut out);
         let typing = !self.help_open && self.pages.wants_pad(&view) || self.closing.wants_pad();

@@ -4,7 +4,7 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-use egui::{Align2, Color32, Rect, Shape, Stroke, vec2};
+use egui::{Align2, Color32, Event, Rect, Shape, Stroke, Ui, vec2};
 
 use super::{Area, View, theme};
 use crate::link::demo_view::DemoView;
@@ -25,6 +25,19 @@ pub fn split(content: Rect, demo: &DemoView) -> (Rect, Option<Rect>) {
     }
     let (page, band) = content.split_bottom(HEIGHT);
     (page, Some(band))
+}
+
+/// Whether somebody has touched the screen or a key in this frame, wherever.
+pub fn is_touched(ui: &Ui) -> bool {
+    ui.input(|input| {
+        let is_act = |event: &Event| {
+            matches!(
+                event,
+                Event::PointerButton { pressed: true, .. } | Event::Key { pressed: true, .. } | Event::Text(_)
+            )
+        };
+        input.events.iter().any(is_act)
+    })
 }
 
 /// Draws the band.

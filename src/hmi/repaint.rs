@@ -17,6 +17,7 @@ use crate::defs::grinding_workspace::GrindingWorkspace;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::link::cycle::CycleView;
+use crate::link::demo_view::DemoView;
 use crate::link::program_view::ProgramView;
 use crate::link::simulation::SimView;
 use crate::link::snapshot::AxisView;
@@ -201,8 +202,10 @@ fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
 /// Whether time alone changes the picture (the clock, what turns in a scene, the blink of a lamp, the end of a message),
 /// or the finished size that the magnifier of a scene shows.
 fn time_step_passed(painted: &Snapshot, newest: &Snapshot) -> bool {
-    let blinks =
-        newest.key(Key::EmergencyStop).lamp || newest.keys.iter().any(|key| key.pending) || start_strip::blinks(newest);
+    let blinks = newest.key(Key::EmergencyStop).lamp
+        || newest.keys.iter().any(|key| key.pending)
+        || start_strip::blinks(newest)
+        || matches!(newest.host.demo, DemoView::Caption(_));
     let shows_scene = shown_fields(newest.page).contains(&FieldGroup::Scene);
     let turns = shows_scene && scene::is_turning(newest);
     clock_time(painted) != clock_time(newest)

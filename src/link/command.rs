@@ -117,4 +117,6 @@ pub enum Command {
     WallClock(DateTime),
     /// Keep-alive of the screen; without it the core stops after the keep-alive time (P76, ms).
     KeepAlive,
+    /// A finger or a key on the screen of a demonstration: whoever it is takes over.
+    TakeOver,
 }

@@ -6,7 +6,6 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::ron_file::{self, ChecksumPolicy, RonError, RonWarning};
-use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::text::Lang;
 
@@ -27,8 +26,8 @@ pub struct StoredSettings {
     pub brightness: Option<u8>,
     /// The RS232 port: `/dev/ttyS0`, `COM1`.
     pub serial: Option<String>,
-    /// What the operator keeps on the home page.
-    pub favourites: Vec<Favourite>,
+    /// What the operator keeps on the home page, each in words.
+    pub favourites: Vec<String>,
 }
 
 impl StoredSettings {

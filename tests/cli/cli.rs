@@ -149,6 +149,12 @@ fn t2_a_film_has_a_picture_for_each_moment_and_says_what_cannot_be() {
     let names: Vec<_> = (1..=9).map(|number| format!("frame-{number:05}.png")).collect();
     assert!(names.iter().all(|name| Path::new(film).join(name).exists()));
     assert!(!Path::new(film).join("frame-00010.png").exists());
+    // The pace is kept where a tick does not divide it.
+    let fast = folder.path().join("fast");
+    let out = kt830(&["demo", story, "--record", fast.to_str().unwrap(), "--fps", "30"]);
+    assert_eq!(status(&out), 0, "{}", errors(&out));
+    let count = std::fs::read_dir(&fast).unwrap().count();
+    assert!((60..=62).contains(&count), "{count} pictures");
     // A story that fails is filmed to its end, and told.
     std::fs::write(story, "kind gc\npower on\nexpect state running\nwait 1 s\n").unwrap();
     let out = kt830(&["demo", story, "--record", film, "--fps", "1"]);

@@ -3,10 +3,11 @@
 use egui_kittest::kittest::Queryable;
 use kt830::defs::page::Page;
 use kt830::defs::text::LocalizedText;
+use kt830::link::Command;
 use kt830::link::demo_view::DemoView;
 
 use crate::live_screen::Bench;
-use crate::stories::ready;
+use crate::stories::{ready, tell};
 
 fn shown(demo: DemoView) -> Bench {
     let mut rig = ready();
@@ -36,4 +37,40 @@ fn t2_who_has_touched_is_told_how_long_it_is_until_the_demonstration_goes_on() {
     taken.rig.show_demo(DemoView::TakenOver { seconds_left: 41, of: 60 });
     taken.turn();
     assert!(taken.shows("41 s"));
+}
+
+/// Wherever the finger lands, and whatever key is pressed, somebody takes over; on a machine without a demonstration a touch
+/// of nothing sends nothing.
+#[test]
+fn t2_any_touch_and_any_key_takes_over() {
+    let mut bench = shown(DemoView::Caption(LocalizedText::new("砂轮启动", "the wheel starts")));
+    let sent = |bench: &mut Bench| {
+        bench.screen.step();
+        let sent = std::mem::take(&mut bench.screen.state_mut().sent);
+        sent.iter().any(|command| matches!(command, Command::TakeOver))
+    };
+    assert!(!sent(&mut bench));
+    let press = |bench: &mut Bench, pressed: bool| {
+        let (pos, button, modifiers) = (egui::pos2(400.0, 520.0), egui::PointerButton::Primary, egui::Modifiers::NONE);
+        bench.screen.input_mut().events.push(egui::Event::PointerButton { pos, button, pressed, modifiers });
+    };
+    press(&mut bench, true);
+    assert!(sent(&mut bench), "a place without a key");
+    press(&mut bench, false);
+    assert!(!sent(&mut bench));
+    bench.screen.key_press(egui::Key::ArrowDown);
+    assert!(sent(&mut bench));
+    let mut silent = shown(DemoView::Silent);
+    press(&mut silent, true);
+    assert!(!sent(&mut silent));
+}
+
+#[test]
+fn t2_a_line_of_the_story_tells_spectators_something() {
+    let mut rig = ready();
+    tell(&mut rig, "caption \"砂轮启动\" \"the wheel starts\"");
+    let caption = LocalizedText::new("砂轮启动", "the wheel starts");
+    assert_eq!(rig.snapshot().host.demo, DemoView::Caption(caption));
+    tell(&mut rig, "caption off");
+    assert_eq!(rig.snapshot().host.demo, DemoView::Silent);
 }

@@ -81,6 +81,8 @@ impl Panel {
             Command::Page(command) => self.handle_page_command(parts, command),
             Command::Teach(command) => self.handle_teach_command(parts, *command),
             Command::WallClock(told) => self.take_clock(parts, *told),
+            // The host ends its story.
+            Command::TakeOver => {}
             Command::KeepAlive => parts.plant.operator.screen_alive_at = Some(parts.plant.now),
         }
     }

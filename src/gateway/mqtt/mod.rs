@@ -153,16 +153,6 @@ impl MqttClient {
         self.show(snapshot);
     }
 
-    /// Ends the connection; the broker keeps no list of orders under this name.
-    fn leave_name(&mut self, time: Duration) {
-        if let (Phase::Connected(link), Some(node)) = (&mut self.phase, &self.node)
-            && self.outbox.told.has_kept_list()
-        {
-            link.publish_retained(&node.own_topic(LIST_TOPIC), Vec::new());
-        }
-        self.close(time);
-    }
-
     /// Ends the connection: nothing is known any more. It is tried again at the next step.
     pub fn close(&mut self, time: Duration) {
         if let (Phase::Connected(link), Some(node)) = (&mut self.phase, &self.node) {
@@ -336,10 +326,10 @@ impl MqttClient {
         if self.orders.begins(snapshot) {
             link.subscribe(&node.own_topic(ORDER_TOPIC));
         }
-        if let Some(list) = self.orders.changed_list(snapshot)
-            && self.outbox.told.keeps_list(!list.is_empty())
-        {
-            link.publish_retained(&node.own_topic(LIST_TOPIC), list.into_bytes());
+        if let Some(list) = self.orders.changed_list(snapshot) {
+            for (topic, list) in self.outbox.told.lists_to_tell(node.own_topic(LIST_TOPIC), list) {
+                link.publish_retained(&topic, list.into_bytes());
+            }
         }
         link.send();
         let (is_other, fault) = (!node.is_of(snapshot), link.fault().cloned());
@@ -347,7 +337,7 @@ impl MqttClient {
         match fault {
             Some(why) => self.fail(now, why, snapshot),
             // The machine has another number: it comes back under its new name.
-            None if is_other => self.leave_name(time),
+            None if is_other => self.close(time),
             None => {}
         }
     }

@@ -46,9 +46,9 @@ struct Told {
     /// Parts between two that it has: the control had forgotten them by then.
     #[serde(default)]
     skipped: u64,
-    /// The broker keeps a list of orders.
+    /// Topics under which the broker has ever got a list of orders to keep.
     #[serde(default)]
-    has_list: bool,
+    lists: Vec<String>,
 }
 
 /// The file and what it is to say.
@@ -81,17 +81,21 @@ impl ToldToBroker {
         self.told.parts.iter()
     }
 
-    /// The broker gets a list of orders to keep, or is to keep none; whether it has to be told. A message that clears the
-    /// list may be lost with its connection: who has ever got one is told with each connection.
-    pub fn keeps_list(&mut self, is_kept: bool) -> bool {
-        self.is_changed |= is_kept && !self.told.has_list;
-        self.told.has_list |= is_kept;
-        self.told.has_list
-    }
-
-    /// Whether the broker has ever got a list of orders to keep.
-    pub const fn has_kept_list(&self) -> bool {
-        self.told.has_list
+    /// What the broker is to keep under each topic, now that the list of orders under the own one is this; empty for none.
+    /// A message that clears a list may be lost with its connection: who has ever got one is told with each connection.
+    /// Lists under other names of the machine are cleared once: the name may be that of another machine by then.
+    pub fn lists_to_tell(&mut self, own: String, list: String) -> Vec<(String, String)> {
+        let mut lists: Vec<_> =
+            self.told.lists.extract_if(.., |topic| *topic != own).map(|topic| (topic, String::new())).collect();
+        let is_known = !self.told.lists.is_empty();
+        self.is_changed |= !lists.is_empty() || !is_known && !list.is_empty();
+        if !is_known && !list.is_empty() {
+            self.told.lists.push(own.clone());
+        }
+        if !self.told.lists.is_empty() {
+            lists.push((own, list));
+        }
+        lists
     }
 
     /// Results that it never gets: more parts than the control remembers were made while it was away.

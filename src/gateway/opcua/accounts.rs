@@ -243,6 +243,9 @@ mod tests {
         assert!(is_revoked(), "a certificate");
         std::fs::write(path.join("trusted/one.der"), "1").unwrap();
         assert!(!is_revoked());
+        let later = Admitted::read(path);
+        change(&|users| assert!(users.remove("viewer")));
+        assert!(later.is_revoked_by(&Admitted::read(path)), "who came after the first look");
         change(&|users| users.set("planner", "secret", Some(false)).unwrap());
         assert!(is_revoked(), "the right to propose orders");
         change(&|users| assert!(users.remove("planner")));

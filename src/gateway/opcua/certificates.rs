@@ -62,7 +62,7 @@ pub fn ensure_own(folder: &Path, uri: &str, host: &str) -> Result<bool, String> 
     Ok(true)
 }
 
-/// Whether there is a certificate of these names, and the key of it.
+/// Whether there is a certificate of these names that is valid now, and the key of it.
 fn own_fits(folder: &Path, uri: &str, host: &str) -> bool {
     let certificate = CertificateStore::read_cert(&folder.join(OWN_CERTIFICATE));
     let key = CertificateStore::read_pkey(&folder.join(PRIVATE_KEY));

@@ -171,7 +171,7 @@ impl OpcUaServer {
         tell: TellState,
     ) -> Ended {
         let (mut client, mut idle) = (Some(client), IdleWatch::default());
-        let known_items = state.items().count();
+        let known_items: Vec<String> = state.items().map(str::to_owned).collect();
         running.show(Some(state));
         running.show_plan(Some(state));
         while !is_over() {
@@ -205,9 +205,9 @@ impl OpcUaServer {
                     }
                 }
             }
-            // An axis, a gauge or a port that the machine has got since.
-            let has_more_items = state.items().count() != known_items;
-            if has_more_items || running.clock.is_wrong() || idle.is_over(running) {
+            // An axis, a gauge or a port that the machine has got, or lost, since.
+            let has_other_items = !state.items().eq(known_items.iter().map(String::as_str));
+            if has_other_items || running.clock.is_wrong() || idle.is_over(running) {
                 return Ended::Renew;
             }
         }
@@ -262,8 +262,8 @@ struct Running {
     /// When the control was told how the server does.
     reported_at: Cell<Option<Instant>>,
     folder: PathBuf,
-    /// Who might come in when it began.
-    admitted: Admitted,
+    /// Who might come in at the last look.
+    admitted: RefCell<Admitted>,
     /// Orders that clients hand in.
     calls: Receiver<OrderCall>,
     /// Who waits for the answers of the control, in their order.
@@ -291,7 +291,7 @@ impl Running {
         let task = tokio::spawn(server.run_with(inner));
         let gate = tokio::spawn(gatekeeper::keep(listener, address, settings.folder.clone()));
         let folder = settings.folder.clone();
-        let admitted = Admitted::read(&folder);
+        let admitted = RefCell::new(Admitted::read(&folder));
         Ok(Self {
             handle,
             task,
@@ -464,9 +464,12 @@ impl Running {
         }
     }
 
-    /// Whether somebody who might be connected may not be any more.
+    /// Whether somebody who might be connected since the last look may not be any more.
     fn has_revoked(&self) -> bool {
-        self.admitted.is_revoked_by(&Admitted::read(&self.folder))
+        let newer = Admitted::read(&self.folder);
+        let is_revoked = self.admitted.borrow().is_revoked_by(&newer);
+        self.admitted.replace(newer);
+        is_revoked
     }
 
     /// How many clients are connected.

@@ -11,6 +11,7 @@ use crate::defs::page::Page;
 use crate::defs::param_row;
 use crate::hmi::{Area, View, keycap, theme};
 use crate::link::Command;
+use crate::link::page_command::PageCommand;
 use crate::link::snapshot::DirectoryRow;
 
 /// Height of the row on the home page: a touch target with two lines of words.
@@ -45,7 +46,7 @@ fn program<'a>(view: &View<'a>, name: &str) -> Option<&'a DirectoryRow> {
     view.snapshot.directory.iter().find(|row| row.name == name)
 }
 
-/// Draws the row, and opens what is touched.
+/// Draws the row, and opens what is touched; what is gone is let go.
 pub fn ui(rect: Rect, ctx: &mut PageContext<'_>) {
     let view = ctx.view;
     if view.favourites.is_empty() {
@@ -56,11 +57,18 @@ pub fn ui(rect: Rect, ctx: &mut PageContext<'_>) {
         return view.note(rect, words);
     }
     for (index, favourite) in view.favourites.iter().take(MAX_FAVOURITES).enumerate() {
-        if tile(view, rect.cell(index, MAX_FAVOURITES), index, favourite)
-            && let Some((page, what)) = target(view, favourite)
-        {
-            *ctx.hand_over = what;
-            ctx.out.push(Command::OpenPage(page));
+        if !tile(view, rect.cell(index, MAX_FAVOURITES), index, favourite) {
+            continue;
+        }
+        match target(view, favourite) {
+            Some((page, what)) => {
+                *ctx.hand_over = what;
+                ctx.out.push(Command::OpenPage(page));
+            }
+            // The search finds it no more: it is let go here.
+            None => {
+                ctx.out.extend(toggled(view.favourites, favourite).map(PageCommand::SetFavourites).map(Command::Page))
+            }
         }
     }
 }
@@ -73,6 +81,12 @@ struct Caption {
 }
 
 fn caption(view: &View<'_>, favourite: &Favourite) -> Caption {
+    if target(view, favourite).is_none() {
+        let code = favourite.to_string();
+        let code = code.split_once(' ').map_or(code.as_str(), |(_, name)| name);
+        let value = view.text("没有了，碰一下取下", "gone: touch to remove").to_owned();
+        return Caption { code: code.to_owned(), name: String::new(), value };
+    }
     let (code, name, value) = match favourite {
         Favourite::Page(page) => {
             let title = page.title_on(view.snapshot.kind).get(view.lang);
@@ -88,7 +102,7 @@ fn caption(view: &View<'_>, favourite: &Favourite) -> Caption {
         }
         Favourite::Program(name) => {
             let comment = program(view, name).map(|row| row.comment_in(view.lang).to_owned());
-            (name.clone(), String::new(), comment.unwrap_or_else(|| view.text("没有此程序", "not there").to_owned()))
+            (name.clone(), String::new(), comment.unwrap_or_default())
         }
     };
     Caption { code, name, value }

@@ -44,6 +44,8 @@ const COST_CHECK_SETPOINT: usize = 200;
 pub(super) struct CheckedPoint {
     /// Fraction of the interval.
     fraction: f64,
+    /// Share of the tolerance that it was checked against.
+    share: f64,
     at: [f64; 3],
     /// Distance to the contour, mm, and the nearest move.
     deviation: f64,
@@ -127,11 +129,12 @@ impl LookaheadWindow {
         budget: &mut WorkBudget,
     ) {
         let [start, end] = ends;
-        let share = self.shares_at(k).1;
-        if ends.iter().any(|point| point.deviation > share * self.band.moves[point.segment].tolerance) {
+        if ends.iter().any(|point| point.deviation > point.share * self.band.moves[point.segment].tolerance) {
             // The point has been found outside already.
             return;
         }
+        // Beside a point that was allowed more, at the end of a start in motion, as much is allowed.
+        let share = self.shares_at(k).1.max(start.share).max(end.share);
         if start.segment != end.segment {
             budget.spend(COST_TWO_MOVES);
         }
@@ -194,7 +197,7 @@ impl LookaheadWindow {
         let high = if k + 4 > last { self.band.end } else { knots[k + 3].near.0.max(along[k + 4]) };
         let near = self.band.nearest(at, low, high, knots[k + 1].near.1);
         self.record_deviation(k, near.deviation - share * self.band.moves[near.segment].tolerance);
-        CheckedPoint { fraction, at, deviation: near.deviation, segment: near.segment }
+        CheckedPoint { fraction, share, at, deviation: near.deviation, segment: near.segment }
     }
 
     /// Checks the axis bounds at a set-point of interval `k`. The curve through the set-points lies between them at any

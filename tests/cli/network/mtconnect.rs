@@ -60,6 +60,20 @@ fn what_the_machine_has_no_longer_is_told_so() {
     assert!(told.contains("|z_work|UNAVAILABLE\n") && !told.contains("|x_work|"), "{told}");
 }
 
+#[test]
+fn a_program_that_has_ended_is_told_from_one_that_was_reset() {
+    let mut rig = crate::stories::ready_with("G04 P300\nM30");
+    let mut after = |lines: &str| {
+        crate::stories::tell(&mut rig, lines);
+        value(rig.snapshot(), "execution")
+    };
+    assert_eq!(after("mode auto\nkey cycle-start\nwait until idle max 5 s"), "PROGRAM_COMPLETED");
+    assert_eq!(after("key cycle-start\nwait 0.1 s"), "ACTIVE");
+    assert_eq!(after("key reset\nwait 0.5 s"), "READY");
+    assert_eq!(after("key cycle-start\nwait until idle max 5 s"), "PROGRAM_COMPLETED");
+    assert_eq!(after("load O1002"), "READY");
+}
+
 /// The model is that of the machine whose data are in the data directory.
 #[test]
 fn the_device_model_is_of_the_kind_of_the_data() {

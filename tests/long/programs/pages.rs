@@ -25,6 +25,7 @@ fn k7_3_every_program_has_its_page_text_and_its_picture() {
         let (text, picture) = (format!("C{number:04}.TXT"), format!("B{number:04}.BMP"));
         let page = parse_page_text(&text, &read(&format!("screens/{text}"))).unwrap();
         let picture = parse_picture(&picture, &read(&format!("screens/{picture}"))).unwrap();
+        assert!(matches!(picture.0, std::borrow::Cow::Borrowed(_)), "a shipped one takes no memory");
         image::load_from_memory_with_format(&picture.0, image::ImageFormat::Bmp).unwrap();
         assert_eq!(part_of(program).kind, kind);
         let shown: BTreeSet<u16> = page.rows().map(|row| row.variable).collect();
