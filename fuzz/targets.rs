@@ -187,9 +187,9 @@ pub fn part_file(bytes: &[u8]) {
 /// A page picture: what is accepted has the size of the page.
 pub fn picture(bytes: &[u8]) {
     if let Ok(picture) = parse_picture("B0001.BMP", bytes) {
-        // PNG: the size stands in bytes 16 to 23.
-        let size: Vec<u8> = [PICTURE_SIZE.0.to_be_bytes(), PICTURE_SIZE.1.to_be_bytes()].concat();
-        assert_eq!(picture.0.get(16..24), Some(&size[..]));
+        // BMP: the size stands in bytes 18 to 25; a height below zero is that of a picture that begins at its top.
+        let number = |at: usize| picture.0[at..at + 4].iter().rev().fold(0, |sum, byte| sum << 8 | u32::from(*byte));
+        assert_eq!((number(18), (number(22) as i32).unsigned_abs()), PICTURE_SIZE);
     }
 }
 

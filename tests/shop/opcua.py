@@ -266,6 +266,29 @@ def memory_of(process):
     return int(next(line.split()[1] for line in lines if line.startswith("VmRSS"))) // 1024
 
 
+async def distrusted(thumbprint):
+    """A certificate that is taken away ends the connections of its client."""
+    await asyncio.sleep(8)
+    client, listener = await client_of(), Listener()
+    await client.connect()
+    subscription = await client.create_subscription(100, listener)
+    await subscription.subscribe_data_change(client.get_node(ua.NodeId(2258)))
+    count = lambda: sum(map(len, listener.values.values()))
+    check(await wait_until(lambda: count() > 1, 10), "the time of the server is told")
+    check(kt830("opcua", "distrust", thumbprint, *data).returncode == 0, "a certificate is taken away")
+    await asyncio.sleep(11)
+    told = count()
+    await asyncio.sleep(2)
+    check(told == count(), "and its client is told nothing more")
+    try:
+        await client.disconnect()
+    except (ConnectionError, asyncio.TimeoutError, ua.UaError):
+        pass
+    why = await refused(await client_of())
+    check(why != "", f"nor let in: {why}")
+    check(kt830("opcua", "trust", thumbprint, *data).returncode == 0, "it is trusted again")
+
+
 async def conformance(client, machine, number):
     """Every node of the machine has the children that its type calls mandatory."""
     missing, seen, typed = [], set(), 0
@@ -523,6 +546,9 @@ async def main():
             await asyncio.sleep(2)
             check(told == sum(map(len, listener.values.values())), "and its subscription tells nothing more")
             kt830("opcua", "add-user", "planner", *data, text="correct horse\n")
+        # The second time it was trusted after the server had begun.
+        for _ in range(2):
+            await distrusted(thumbprint)
         report()
         await flood_of_subscriptions(server)
         await many_subscriptions(server)
