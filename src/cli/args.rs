@@ -10,7 +10,7 @@ use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
-use crate::defs::text::{Lang, LocalizedText};
+use crate::defs::text::{Lang, LocalizedText, Translation};
 use crate::units::{Axis, Micros};
 
 /// KT-830: a CNC control for grinding machines. Without a command it opens the control full-screen.
@@ -46,9 +46,15 @@ pub struct SharedArgs {
     /// Folder of programs [default: ./programs, else the data directory's]
     #[arg(long, global = true, value_name = "DIR")]
     pub programs: Option<PathBuf>,
-    /// Language: zh or en [default: as set on the machine, else zh]
-    #[arg(long = "lang", global = true, value_name = "LANG", value_parser = lang)]
-    pub requested_lang: Option<Lang>,
+    /// Language: zh, en, or that of a language file [default: as set on the machine, else zh]
+    #[arg(long = "lang", global = true, value_name = "LANG")]
+    pub requested_lang: Option<String>,
+    /// Folder of language files [default: the data directory's]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub languages: Option<PathBuf>,
+    /// The languages of those files.
+    #[arg(skip)]
+    pub added_languages: Vec<&'static Translation>,
     /// The language that holds: asked for, else stored, else Chinese.
     #[arg(skip)]
     pub lang: Lang,
@@ -123,6 +129,8 @@ pub enum CliCommand {
     Qualify(QualifyArgs),
     /// Let random operators, faults and power cuts work on a simulated control and check what must always hold
     Torture(TortureArgs),
+    /// Print the texts of the control as a language file, or bring one up to date
+    Texts(TextsArgs),
     /// Print the table of the language: codes, words, functions and system variables of a kind of machine
     Codes,
     /// Run a simulated control without a screen, at the pace of the clock, with its network services (P480)
@@ -139,6 +147,15 @@ pub enum CliCommand {
     /// Inspect the database on standard input, with little memory and time: the control calls it before it opens one
     #[command(hide = true)]
     CheckDatabase,
+}
+
+/// `kt830 texts`
+#[derive(Debug, ClapArgs)]
+pub struct TextsArgs {
+    /// A language file: its words stay, new texts are added without words, and what is wrong is told [default: all texts
+    /// without words]
+    #[arg(value_name = "FILE.ron")]
+    pub file: Option<PathBuf>,
 }
 
 /// `kt830 bus`
@@ -441,14 +458,6 @@ fn axis(word: &str) -> Result<Axis, String> {
     let mut letters = word.chars();
     let axis = letters.next().and_then(Axis::from_letter).filter(|_| letters.next().is_none());
     axis.ok_or_else(|| "the axes are X, Y, Z".to_owned())
-}
-
-fn lang(word: &str) -> Result<Lang, String> {
-    match word {
-        "zh" => Ok(Lang::Zh),
-        "en" => Ok(Lang::En),
-        _ => Err("the languages are zh and en".to_owned()),
-    }
 }
 
 fn page(word: &str) -> Result<Page, String> {

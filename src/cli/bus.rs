@@ -124,7 +124,7 @@ impl Seen<'_> {
     }
 
     fn print(&self) {
-        let words = |zh: &'static str, en: &'static str| if self.lang == Lang::Zh { zh } else { en };
+        let words = |zh: &'static str, en: &'static str| self.lang.pick(zh, en);
         if let Some(fault) = &self.fault {
             print_line(format!("{}: {fault}", words("总线故障", "bus fault")));
         }

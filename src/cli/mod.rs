@@ -37,6 +37,7 @@ mod setup;
 mod shot;
 mod soft_limit_check;
 mod story_loop;
+mod texts;
 mod torture;
 mod trace_file;
 #[cfg(feature = "hmi")]
@@ -92,6 +93,7 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::Screw(call)) => leadscrew::screw(&shared, call),
         Some(CliCommand::Qualify(call)) => qualify::qualify(&shared, call),
         Some(CliCommand::Torture(call)) => torture::torture(&shared, call),
+        Some(CliCommand::Texts(call)) => texts::texts(&shared, call),
         Some(CliCommand::Codes) => codes::codes(&shared),
         Some(CliCommand::Serve(call)) => serve::serve(&shared, call),
         Some(CliCommand::Fleet(call)) => fleet::fleet(&shared, call),

@@ -10,7 +10,7 @@ use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::part_verdict::PartVerdict;
-use crate::defs::text::{Lang, LocalizedText};
+use crate::defs::text::{Lang, LocalizedText, phrase};
 use crate::defs::variable_name;
 use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
@@ -133,20 +133,19 @@ pub fn stop_reason(host: &mut HeadlessHost, end: RunEnd, longest: Micros) -> Opt
         RunEnd::Pause => told,
         RunEnd::Held | RunEnd::Refused => Some(snapshot.message.text.clone()),
         RunEnd::Waiting => {
-            Some(told.unwrap_or_else(|| LocalizedText::new("等待的信号没有来", "the awaited signal does not come")))
+            Some(told.unwrap_or_else(|| phrase!("等待的信号没有来", "the awaited signal does not come")))
         }
         RunEnd::TimedOut => {
             let seconds = longest.as_secs_f64();
-            Some(LocalizedText::new(
-                format!("模拟时间 {seconds} s 后停止：程序没有结束；`run --hours N` 可以更长"),
-                format!(
-                    "stopped after {seconds} s of simulated time: the program has not ended; `run --hours N` gives it more"
-                ),
+            Some(phrase!(
+                "模拟时间 {seconds} s 后停止：程序没有结束；`run --hours N` 可以更长",
+                "stopped after {seconds} s of simulated time: the program has not ended; `run --hours N` gives it more",
+                seconds
             ))
         }
-        RunEnd::Stalled => Some(LocalizedText::new(
+        RunEnd::Stalled => Some(phrase!(
             "长时间没有任何移动：程序不会结束",
-            "nothing has moved for a long time: the program does not end",
+            "nothing has moved for a long time: the program does not end"
         )),
         RunEnd::Endless => {
             // No block has been executed before a loop at the head of the program.

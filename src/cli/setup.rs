@@ -15,7 +15,7 @@ use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::program_number;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{Lang, LocalizedText, Translation, phrase};
 use crate::host::Host;
 use crate::host::cycle_time;
 use crate::host::folders::{Folders, ProgramUse, named_programs_beside, programs_from_file};
@@ -38,7 +38,10 @@ use crate::io::fieldbus::description::MachineDescription;
 use crate::io::fieldbus::station::StationLink;
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
-use crate::store::{DataDir, PROGRAM_LIMIT, REAL_MACHINE_MARK, StoredSettings, TEXT_LIMIT, read_regular_file};
+use crate::store::{
+    AddedLanguages, DataDir, PROGRAM_LIMIT, REAL_MACHINE_MARK, StoredLang, StoredSettings, TEXT_LIMIT,
+    read_regular_file,
+};
 use crate::story::parse;
 use crate::units::Micros;
 
@@ -70,11 +73,52 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
         }
     }
     shared.kind = shared.requested_kind.or(stored.kind).unwrap_or_default();
-    shared.lang = shared.requested_lang.or(stored.lang).unwrap_or_default();
+    read_languages(&mut shared, stored.lang.as_ref().map(StoredLang::code), opens_control)?;
     shared.light = stored.light.unwrap_or_default();
     shared.favourites = known_favourites(&stored.favourites);
     shared.brightness = stored.brightness.unwrap_or(shared.brightness);
     Ok(shared)
+}
+
+/// The languages of the language files, and the one that holds: asked for, else stored, else Chinese. Without a use for
+/// them no file is read.
+fn read_languages(shared: &mut SharedArgs, stored: Option<&str>, opens_control: bool) -> Result<(), CallError> {
+    let wanted = shared.requested_lang.as_deref().or(stored);
+    let own = |code: &str| [Lang::Zh, Lang::En].into_iter().find(|lang| lang.code() == code);
+    let known = wanted.map_or(Some(Lang::default()), own);
+    let folder = match (&shared.languages, known) {
+        (Some(folder), _) => folder.clone(),
+        (None, None) => data_dir(shared)?.languages(),
+        (None, Some(_)) if opens_control => data_dir(shared)?.languages(),
+        (None, Some(lang)) => {
+            shared.lang = lang;
+            return Ok(());
+        }
+    };
+    let AddedLanguages { languages, faults } = AddedLanguages::read(&folder);
+    faults.iter().for_each(|fault| warn_line!("kt830: language files: {}", fault.en()));
+    shared.added_languages = languages.into_iter().map(Translation::keep).collect();
+    let added = |code| shared.added_languages.iter().find(|added| added.code == code).map(|added| Lang::Added(added));
+    let found = known.or_else(|| wanted.and_then(added));
+    if found.is_none()
+        && let Some(code) = &shared.requested_lang
+    {
+        let mut codes = vec!["zh", "en"];
+        codes.extend(shared.added_languages.iter().map(|added| added.code.as_str()));
+        let (folder, codes) = (folder.display(), codes.join(", "));
+        return Err(CallError::new(format!(
+            "--lang {code}: the languages are {codes}; others are files in {folder} (kt830 texts, --languages DIR)"
+        )));
+    }
+    if found.is_none() {
+        let code = wanted.unwrap_or_default();
+        warn_line!(
+            "kt830: settings: the file of the language '{code}' is not in {}; English is used",
+            folder.display()
+        );
+    }
+    shared.lang = found.unwrap_or(Lang::En);
+    Ok(())
 }
 
 /// The favourites that this version knows: an unknown one stops nobody's work.
@@ -99,7 +143,7 @@ fn read_settings(folder: &Path, data_kind: Option<Kind>) -> (StoredSettings, Opt
     let other = stored.kind.zip(data_kind).filter(|(set, data)| set != data);
     let mismatch = other.map(|(set, data)| {
         let (set, data) = (set.short_name(), data.short_name());
-        LocalizedText::new(format!("设置为 {set}，数据为 {data}"), format!("settings {set}, data {data}"))
+        phrase!("设置为 {set}，数据为 {data}", "settings {set}, data {data}", set, data)
     });
     (stored, mismatch.or(warning.map(|what| LocalizedText::same(&what))))
 }

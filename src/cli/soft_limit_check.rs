@@ -4,7 +4,7 @@
 use crate::controller::axes::soft_limits;
 use crate::controller::interlock_check::PredictedRefusal;
 use crate::defs::param::Params;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::nc::{Block, OfflineMachine, OpEffect};
 use crate::units::{Axis, PerAxis};
 
@@ -63,9 +63,12 @@ impl<'a> SoftLimitCheck<'a> {
                 _ => return None,
             };
             let (at, limit) = (at * self.shown_per_mm[axis], limit * self.shown_per_mm[axis]);
-            Some(LocalizedText::new(
-                format!("{axis} 到 {at:.3}，超出软限位 {limit:.3} (机床坐标)"),
-                format!("{axis} goes to {at:.3}, beyond the soft limit {limit:.3} (machine)"),
+            Some(phrase!(
+                "{axis} 到 {at:.3}，超出软限位 {limit:.3} (机床坐标)",
+                "{axis} goes to {at:.3}, beyond the soft limit {limit:.3} (machine)",
+                axis,
+                at,
+                limit
             ))
         })
     }

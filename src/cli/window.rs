@@ -9,7 +9,7 @@ use super::serve::start_network_in;
 use super::{CallError, SUCCESS, setup};
 use crate::defs::alarm;
 use crate::defs::param::Params;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::hmi::core_fault::CoreHealth;
 use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
 #[cfg(target_os = "linux")]
@@ -70,8 +70,8 @@ fn unusable_text(file: &Path, why: &CallError) -> LocalizedText {
         return LocalizedText::same(why);
     }
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let folder = file.parent().unwrap_or(file).display();
-    LocalizedText::new(format!("{name} 不存在（{folder}）"), format!("{name} is missing ({folder})"))
+    let folder = file.parent().unwrap_or(file).display().to_string();
+    phrase!("{name} 不存在（{folder}）", "{name} is missing ({folder})", name, folder)
 }
 
 /// The description of the real machine, if it fits the data.
@@ -121,9 +121,9 @@ fn open_with<P: HostedMachine + Send + 'static>(
 /// There is no display.
 pub fn show(link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
     guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
-    let favourites = shared.favourites.clone();
+    let (added_languages, favourites) = (shared.added_languages.clone(), shared.favourites.clone());
     let SharedArgs { lang, light, brightness, .. } = *shared;
-    let options = WindowOptions { fullscreen, lang, light, brightness, favourites };
+    let options = WindowOptions { fullscreen, lang, added_languages, light, brightness, favourites };
     match run(Box::new(link), options) {
         Ok(()) => Ok(SUCCESS),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::date::DateTime;
 use super::history::{History, HistoryEntry};
+use super::stop_reason::StopReason;
 use super::text::Text;
 
 /// Most hours in the history: 31 days.
@@ -47,6 +48,9 @@ pub struct HourRecord {
     pub hour: u64,
     /// Seconds of each use, by [`MachineUse::ALL`]; what is missing to an hour the machine was off.
     pub seconds: [u32; MachineUse::ALL.len()],
+    /// Seconds without a run that the operator has given a reason for, by [`StopReason::ALL`].
+    #[serde(default, skip_serializing_if = "is_unexplained")]
+    pub explained: [u32; StopReason::ALL.len()],
     /// Finished parts that are not bad.
     pub good: u32,
     /// Bad parts.
@@ -72,12 +76,25 @@ impl HourRecord {
         self.seconds.iter().sum()
     }
 
+    /// Seconds in which the machine stood and nobody has said why.
+    #[must_use]
+    pub fn seconds_unexplained(&self) -> u32 {
+        let stood = self.seconds_on() - self.seconds[MachineUse::Running as usize];
+        stood.saturating_sub(self.explained.iter().sum())
+    }
+
     /// Adds another one to it.
     pub fn add(&mut self, other: &Self) {
         self.seconds.iter_mut().zip(other.seconds).for_each(|(sum, more)| *sum += more);
+        self.explained.iter_mut().zip(other.explained).for_each(|(sum, more)| *sum += more);
         self.good += other.good;
         self.bad += other.bad;
     }
+}
+
+/// Whether no stop has a reason: such an hour is written as a control without reasons writes it.
+fn is_unexplained(explained: &[u32; StopReason::ALL.len()]) -> bool {
+    explained.iter().all(|seconds| *seconds == 0)
 }
 
 impl HistoryEntry for HourRecord {

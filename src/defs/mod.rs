@@ -42,6 +42,7 @@ pub mod signal;
 pub mod sim_fault;
 pub mod soft_key;
 pub mod start_step;
+pub mod stop_reason;
 pub mod system_variable;
 pub mod text;
 pub mod turning_tool;

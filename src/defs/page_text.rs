@@ -22,7 +22,7 @@ impl PageTextRow {
     /// The label in a language; as written by the customer where there is no English.
     #[must_use]
     pub fn label_in(&self, lang: Lang) -> &str {
-        in_language(lang, &self.label, self.english.as_deref())
+        lang.pick_of(&self.label, self.english.as_deref())
     }
 }
 
@@ -48,7 +48,7 @@ impl PageText {
     /// The title in a language; as written by the customer where there is no English.
     #[must_use]
     pub fn title_in(&self, lang: Lang) -> &str {
-        in_language(lang, &self.title, self.english_title.as_deref())
+        lang.pick_of(&self.title, self.english_title.as_deref())
     }
 
     /// Takes over the title and the labels of the English text. A label belongs to the row of its variable.
@@ -63,10 +63,6 @@ impl PageText {
     fn label_of(&self, variable: u16) -> Option<&str> {
         self.rows().find(|row| row.variable == variable).map(|row| row.label.as_str())
     }
-}
-
-fn in_language<'t>(lang: Lang, own: &'t str, english: Option<&'t str>) -> &'t str {
-    english.filter(|_| lang == Lang::En).unwrap_or(own)
 }
 
 /// Where an English text does not fit its page text: rows of other variables, and rows that it lacks.

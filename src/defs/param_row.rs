@@ -4,7 +4,7 @@
 use super::fitted::Fitted;
 use super::param::{AccessLevel, BITS, NUMBERS, ParamAddress, Params, is_port};
 use super::signal::{Input, Output, PORTS};
-use super::text::{LocalizedText, Text};
+use super::text::{LocalizedText, Text, phrase};
 
 /// The type of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,13 +46,13 @@ impl ParamRow {
     pub fn range(&self) -> LocalizedText {
         let (min, max) = (self.min, self.max);
         match self.param_type {
-            ParamType::Bit => LocalizedText::new("0 或 1", "0 or 1"),
+            ParamType::Bit => phrase!("0 或 1", "0 or 1"),
             ParamType::Number => {
                 let words = format!("{min} … {max} {}", self.unit);
                 LocalizedText::new(words.trim_end(), words.trim_end())
             }
             ParamType::Input(_) | ParamType::Output(_) => {
-                LocalizedText::new(format!("{min} … {max} (0 未接)"), format!("{min} … {max} (0 none)"))
+                phrase!("{min} … {max} (0 未接)", "{min} … {max} (0 none)", min, max)
             }
         }
     }

@@ -2,7 +2,7 @@
 //! They are told before the start; the program itself decides, for some hold only with other values.
 //! Source: spec K7.4, B8, H6.
 
-use super::text::Lang;
+use super::text::{Lang, Text};
 
 /// Greatest magnitude of a value that is typed for a variable.
 pub const TYPED_VALUE_LIMIT: f64 = 99_999.999;
@@ -91,7 +91,7 @@ impl ValueRange {
     pub fn words(&self, lang: Lang) -> String {
         let end =
             |strict: bool, signs: [&str; 2], limit: f64| format!("{} {}", signs[usize::from(strict)], short(limit));
-        let comma = if lang == Lang::Zh { "，" } else { ", " };
+        let comma = Text::new("，", ", ").get(lang);
         match (self.least, self.most) {
             (Some((least, false)), Some((most, false))) => format!("{} … {}", short(least), short(most)),
             (least, most) => {

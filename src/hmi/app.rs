@@ -11,17 +11,21 @@ use super::key_press::KeyPresses;
 use super::layout::Regions;
 use super::numeric_pad::NumericPad;
 use super::page_frame::{self, FrameTouch, SoftKeyPress};
+use super::page_map::PageMap;
 use super::panel::OperatorPanel;
 use super::panel::layout::panel_layout;
+use super::swipe::{Swipe, SwipeTurn};
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
 use super::{EditKey, KeyboardInput, View, aside, blink_phase, clock_time, demo_band, file_command, keyboard};
 use crate::defs::favourite::Favourite;
 use crate::defs::key::Key;
+use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param;
-use crate::defs::soft_key::SoftKeyAction;
-use crate::defs::text::{Lang, Text};
+use crate::defs::soft_key::{self, SoftKeyAction};
+use crate::defs::text::arg::Arg;
+use crate::defs::text::{Lang, LocalizedText, Template, Translation};
 use crate::hmi::page::grinding::GrindingPage;
 use crate::hmi::page::help::{Help, HelpTouch};
 use crate::hmi::page::program::ProgramPage;
@@ -34,6 +38,8 @@ use crate::link::{Command, Snapshot};
 
 /// How long a local refusal stays in the message line, s.
 const HINT_SECONDS: f64 = 5.0;
+/// How long a page fades in, s.
+const FADE_SECONDS: f64 = 0.1;
 
 /// The user interface of the control. One value lives as long as the window.
 pub struct Hmi {
@@ -49,8 +55,15 @@ pub struct Hmi {
     /// The help over a page.
     help: Help,
     help_open: bool,
+    page_map: PageMap,
     favourites: Arc<[Favourite]>,
-    hint: Option<(Text, f64)>,
+    languages: Arc<[Lang]>,
+    hint: Option<(LocalizedText, f64)>,
+    swipe: Swipe,
+    /// When the page was opened that is fading in, s of the screen; only where pages fade.
+    faded_since: Option<f64>,
+    /// Pages fade in when they open.
+    fades: bool,
     closing: Closing,
     /// The window was asked to close since the last frame.
     close_asked: bool,
@@ -66,6 +79,7 @@ struct FrameScratch {
     theme: Theme,
     clock: String,
     favourites: Arc<[Favourite]>,
+    languages: Arc<[Lang]>,
     entry: Cell<Option<Rect>>,
 }
 
@@ -84,8 +98,13 @@ impl Hmi {
             presses: KeyPresses::default(),
             help: Help::default(),
             help_open: false,
+            page_map: PageMap::default(),
             favourites: Arc::default(),
+            languages: Arc::new([Lang::Zh, Lang::En]),
             hint: None,
+            swipe: Swipe::default(),
+            faded_since: None,
+            fades: false,
             closing: Closing::default(),
             close_asked: false,
             pad: NumericPad::default(),
@@ -108,6 +127,17 @@ impl Hmi {
     /// What the home page keeps.
     pub fn set_favourites(&mut self, favourites: Vec<Favourite>) {
         self.favourites = favourites.into();
+    }
+
+    /// The languages that the settings page offers beside Chinese and English.
+    pub fn add_languages(&mut self, added: &[&'static Translation]) {
+        let added = added.iter().map(|translation| Lang::Added(translation));
+        self.languages = [Lang::Zh, Lang::En].into_iter().chain(added).collect();
+    }
+
+    /// Pages fade in when they open: on a display, not on pictures.
+    pub const fn set_fades(&mut self, fades: bool) {
+        self.fades = fades;
     }
 
     /// The colour that the window is cleared with; a frame does not paint it again.
@@ -166,8 +196,7 @@ impl Hmi {
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
         let (ui, mut out) = (&*ui, Vec::new());
         self.record(snapshot);
-        let favourites = Arc::clone(&self.favourites);
-        let frame = FrameScratch { theme: self.theme, clock: clock_time(snapshot), favourites, entry: Cell::new(None) };
+        let frame = self.scratch(snapshot);
         let view = self.view(ui, snapshot, &frame);
         self.follow_snapshot(&view);
         let regions = Regions::new(ui.max_rect());
@@ -179,7 +208,10 @@ impl Hmi {
         out.extend(self.screenshot_commands(snapshot.params.bit(param::PRINT_AS_BMP)));
         self.handle_physical_keys(&view, &asked, &mut out);
         if let Some(reason) = self.panel.ui(&panel, &view, &mut self.presses, &mut out) {
-            self.show_hint(ui, reason);
+            self.show_hint(ui, reason.into());
+        }
+        if let Some(key) = self.presses.take_explained() {
+            self.show_hint(ui, explanation(key, snapshot.kind));
         }
         asked.edits.splice(..0, self.pad.take_touched());
         let to_closing = self.edits_for_closing(&view, &mut asked);
@@ -192,15 +224,21 @@ impl Hmi {
         if self.help_open {
             let touch = self.help.overlay(&view, content.shrink(theme::GAP), &asked);
             self.handle_help(&view, touch, &mut out);
+        } else if self.page_map.is_open() {
+            if let Some(action) = self.page_map.ui(&view, content, &asked.edits) {
+                self.run_soft_key(ui, action, &mut out);
+            }
         } else {
             self.draw_page(content, &view, &asked, &mut out);
+            self.follow_swipe(&view, content, &mut out);
         }
+        self.fade(&view, content);
         if let Some(band) = band {
             demo_band::ui(&view, band);
             out.extend(demo_band::is_touched(ui).then_some(Command::TakeOver));
         }
         self.closing.ui(content, &view, &to_closing, &mut out);
-        let typing = !self.help_open && self.pages.wants_pad(&view) || self.closing.wants_pad();
+        let typing = !self.is_page_covered() && self.pages.wants_pad(&view) || self.closing.wants_pad();
         self.pad.ui(&view, self.pages.pad_room(&view, content), typing);
         self.draw_frame(&regions, &view, &asked, &mut out);
         if self.brightness < *BRIGHTNESS.end() {
@@ -215,20 +253,28 @@ impl Hmi {
         out
     }
 
+    fn scratch(&self, snapshot: &Snapshot) -> FrameScratch {
+        let (favourites, languages) = (Arc::clone(&self.favourites), Arc::clone(&self.languages));
+        let (theme, clock) = (self.theme, clock_time(snapshot));
+        FrameScratch { theme, clock, favourites, languages, entry: Cell::new(None) }
+    }
+
     /// What the pages draw from in this frame.
     fn view<'a>(&self, ui: &'a Ui, snapshot: &'a Snapshot, frame: &'a FrameScratch) -> View<'a> {
-        let FrameScratch { theme, clock, favourites, entry } = frame;
+        let FrameScratch { theme, clock, favourites, languages, entry } = frame;
         let (painter, blink) = (ui.painter().clone(), blink_phase(snapshot.now));
         let Self { lang, light, brightness, .. } = *self;
-        View { ui, painter, snapshot, lang, theme, light, brightness, favourites, clock, blink, entry }
+        View { ui, painter, snapshot, lang, languages, theme, light, brightness, favourites, clock, blink, entry }
     }
 
     /// Reacts to a new page, program or picture in the snapshot.
     fn follow_snapshot(&mut self, view: &View<'_>) {
         let (ui, snapshot) = (view.ui, view.snapshot);
         if self.page != Some(snapshot.page) {
+            self.faded_since = self.page.filter(|_| self.fades).map(|_| ui.input(|input| input.time));
             self.page = Some(snapshot.page);
             self.help_open = false;
+            self.page_map.close();
             self.pages.open(view);
         }
         match (self.pages.page(snapshot.page).picture(snapshot), &self.picture) {
@@ -237,7 +283,7 @@ impl Hmi {
             (None, _) => self.picture = None,
         }
         let now = ui.input(|input| input.time);
-        self.hint = self.hint.filter(|(_, since)| now - since < HINT_SECONDS);
+        self.hint.take_if(|(_, since)| now - *since >= HINT_SECONDS);
     }
 
     /// Answers a request to close the window; gives the keys for its question, which the page does not get.
@@ -245,12 +291,40 @@ impl Hmi {
         if std::mem::take(&mut self.close_asked)
             && let Some(reason) = self.closing.ask(view)
         {
-            self.show_hint(view.ui, reason);
+            self.show_hint(view.ui, reason.into());
         }
         if self.closing.is_open() { std::mem::take(&mut asked.edits) } else { Vec::new() }
     }
 
-    fn show_hint(&mut self, ui: &Ui, reason: Text) {
+    /// A swipe over the page opens the next page of its row, or the one before.
+    fn follow_swipe(&mut self, view: &View<'_>, content: Rect, out: &mut Vec<Command>) {
+        let Some(turn) = self.swipe.follow(view.ui, content) else { return };
+        let open = soft_key::key_of_page(view.snapshot.page, view.snapshot.coordinates);
+        let Some((row, _)) = soft_key::place(view.snapshot.kind, open) else { return };
+        let pages: Vec<_> = page_frame::soft_key_row(view, row).map(|soft| soft.action).filter(opens_page).collect();
+        let Some(at) = pages.iter().position(|action| *action == open) else { return };
+        let wanted = match turn {
+            SwipeTurn::Next => at.checked_add(1),
+            SwipeTurn::Previous => at.checked_sub(1),
+        };
+        if let Some(action) = wanted.and_then(|index| pages.get(index)) {
+            self.run_soft_key(view.ui, *action, out);
+        }
+    }
+
+    /// Lets a page that was opened appear: it is there at once, under a veil that is gone after a moment.
+    fn fade(&mut self, view: &View<'_>, content: Rect) {
+        let Some(since) = self.faded_since else { return };
+        let gone = (view.ui.input(|input| input.time) - since) / FADE_SECONDS;
+        if gone >= 1.0 {
+            self.faded_since = None;
+            return;
+        }
+        view.painter.rect_filled(content, 0.0, view.theme.background.gamma_multiply(0.6 * (1.0 - gone as f32)));
+        view.ui.ctx().request_repaint();
+    }
+
+    fn show_hint(&mut self, ui: &Ui, reason: LocalizedText) {
         self.hint = Some((reason, ui.input(|input| input.time)));
         ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(HINT_SECONDS + 0.05));
     }
@@ -300,9 +374,9 @@ impl Hmi {
 
     fn draw_frame(&mut self, regions: &Regions, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
         let header = page_frame::header(view, regions.header);
-        let hint = self.hint.map(|(text, _)| text.get(view.lang));
-        let of_page = self.pages.page(view.snapshot.page).message(view.lang).filter(|_| !self.help_open);
-        let message = page_frame::message_line(view, regions.message, hint, of_page.as_deref());
+        let hint = self.hint.as_ref().map(|(text, _)| text.get(view.lang));
+        let of_page = self.pages.page(view.snapshot.page).message(view.lang).filter(|_| !self.is_page_covered());
+        let message = page_frame::message_line(view, regions.message, hint.as_deref(), of_page.as_deref());
         let status = page_frame::status_line(view, regions.status);
         match header.or(message).or(status) {
             Some(FrameTouch::Help) => self.toggle_help(view),
@@ -319,7 +393,9 @@ impl Hmi {
         let by_key = asked.soft_key.and_then(|index| page_frame::soft_key_row(view, row).nth(index));
         match touched.or(by_key.map(|soft| SoftKeyPress::Act(soft.action))) {
             Some(SoftKeyPress::Act(action)) => self.run_soft_key(view.ui, action, out),
+            Some(SoftKeyPress::Map) => self.toggle_map(view),
             Some(SoftKeyPress::Row(row)) => out.push(Command::ShowSoftKeyRow(row)),
+            None if asked.page_map => self.toggle_map(view),
             None if asked.next_soft_row => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
             None if asked.previous_soft_row => out.push(Command::ShowSoftKeyRow((row + rows - 1) % rows)),
             None => {}
@@ -328,6 +404,7 @@ impl Hmi {
 
     /// Opens the help overlay at the open page, or closes it.
     fn toggle_help(&mut self, view: &View<'_>) {
+        self.page_map.close();
         self.help_open = !self.help_open && view.snapshot.page != Page::Help;
         if self.help_open {
             let page = view.snapshot.page;
@@ -335,8 +412,20 @@ impl Hmi {
         }
     }
 
+    /// Whether the help or the map of the pages lies over the page.
+    const fn is_page_covered(&self) -> bool {
+        self.help_open || self.page_map.is_open()
+    }
+
+    /// Opens the map of the pages, or closes it.
+    fn toggle_map(&mut self, view: &View<'_>) {
+        self.help_open = false;
+        self.page_map.toggle(view);
+    }
+
     /// Opens the help overlay with its search.
     fn open_search(&mut self, view: &View<'_>) {
+        self.page_map.close();
         self.help_open = true;
         self.help.open_search(view, view.snapshot.page);
     }
@@ -382,13 +471,13 @@ impl Hmi {
         self.presses.track_keyboard(view.ui, out);
         for shortcut in &asked.keys {
             if let Some(reason) = super::panel::key_state(view, shortcut.key).blocked {
-                self.show_hint(view.ui, reason);
+                self.show_hint(view.ui, reason.into());
             }
             self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
         }
         // Sent in every view of the page: if no dressing point can be set, the core reports the reason.
         let position = view.snapshot.page == Page::Position;
-        for key in asked.address_keys.iter().filter(|_| position && !self.help_open) {
+        for key in asked.address_keys.iter().filter(|_| position && !self.is_page_covered()) {
             out.extend([Command::Press(*key), Command::Release(*key)]);
         }
         if asked.handwheel_detents != 0 {
@@ -401,6 +490,18 @@ impl Hmi {
             self.toggle_help(view);
         }
     }
+}
+
+/// What a long touch of a key tells.
+fn explanation(key: Key, kind: Kind) -> LocalizedText {
+    const EXPLAINED: &Template =
+        &Template::new("{key}：{help}（短按才执行）", "{key}: {help} (a short touch does it)", &["key", "help"]);
+    LocalizedText::phrase_of(EXPLAINED, [Arg::Key(key, kind)], [key.row().help.into()])
+}
+
+/// Whether a soft key opens a page.
+const fn opens_page(action: &SoftKeyAction) -> bool {
+    matches!(action, SoftKeyAction::Open(_) | SoftKeyAction::Position(_))
 }
 
 fn load_picture(

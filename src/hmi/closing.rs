@@ -6,7 +6,7 @@ use egui::Rect;
 use super::{EditKey, GuardedQuestion, Login, Question, View};
 use crate::defs::alarm;
 use crate::defs::param::{self, AccessLevel};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::Command;
 use crate::link::snapshot::RunState;
 
@@ -72,23 +72,23 @@ fn is_moving(view: &View<'_>) -> bool {
 /// What closing does now.
 fn consequence(view: &View<'_>) -> LocalizedText {
     if matches!(view.snapshot.state, RunState::Held | RunState::Stopped) {
-        return LocalizedText::new(
+        return phrase!(
             "程序暂停中：关闭使程序中断，砂轮、冷却和驱动断开。断点已保存，下次回零后可继续。",
             "A program is held: closing ends it; wheel, fluids and drives go off. Its place is kept and offered after \
-             the next homing.",
+             the next homing."
         );
     }
     // What the disk has refused may be lost; it is tried once more at the end.
     let unstored = [alarm::STORE_FAILED, alarm::STORE_SLOW];
     if view.snapshot.is_storing || view.snapshot.alarms.iter().any(|alarm| unstored.contains(&alarm.number)) {
-        return LocalizedText::new(
+        return phrase!(
             "有改动的数据还没有保存（看报警页）：现在关闭可能丢失。砂轮、冷却和驱动断开，夹紧保持。",
             "Changed values are not stored yet (see the alarm page): closing now may lose them. Wheel, fluids and drives \
-             go off, clamps hold.",
+             go off, clamps hold."
         );
     }
-    LocalizedText::new(
+    phrase!(
         "砂轮、冷却和驱动断开，夹紧保持；数据全部保存。",
-        "Wheel, fluids and drives go off, clamps hold; all data are stored.",
+        "Wheel, fluids and drives go off, clamps hold; all data are stored."
     )
 }

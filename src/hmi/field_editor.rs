@@ -7,7 +7,7 @@ use egui::{Color32, Rect};
 
 use super::{EditKey, View};
 use crate::defs::param::NumberParam;
-use crate::defs::text::{Lang, LocalizedText};
+use crate::defs::text::{Lang, LocalizedText, phrase};
 use crate::link::Snapshot;
 use crate::link::edit::{EditAnswer, LOCKED_IN_RUN};
 
@@ -114,7 +114,7 @@ impl FieldEditor {
     /// The range, in both languages.
     pub fn param_value(&self, row: NumberParam) -> Result<f64, LocalizedText> {
         let range = param_range(row);
-        let refusal = || LocalizedText::new(format!("应为 {range}"), format!("it should be {range}"));
+        let refusal = || phrase!("应为 {range}", "it should be {range}", range);
         self.number(row.max).ok().filter(|value| *value >= row.min).ok_or_else(refusal)
     }
 
@@ -185,7 +185,7 @@ impl FieldEditor {
 /// # Errors
 /// It is not a number; in both languages.
 pub fn parse_number(text: &str) -> Result<f64, LocalizedText> {
-    text.parse().map_err(|_| LocalizedText::new("不是数字", "not a number"))
+    text.parse().map_err(|_| phrase!("不是数字", "not a number"))
 }
 
 /// Parses a text as a number within ± `most`.
@@ -195,7 +195,7 @@ pub fn parse_number(text: &str) -> Result<f64, LocalizedText> {
 pub fn parse_within(text: &str, most: f64) -> Result<f64, LocalizedText> {
     let value = parse_number(text)?;
     if !value.is_finite() || value.abs() > most {
-        return Err(LocalizedText::new(format!("超出范围 ±{most:.3}"), format!("out of range ±{most:.3}")));
+        return Err(phrase!("超出范围 ±{most:.3}", "out of range ±{most:.3}", most));
     }
     Ok(value)
 }

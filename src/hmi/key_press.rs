@@ -6,6 +6,9 @@ use egui::{Modifiers, Rect, Response, Ui};
 use crate::defs::key::Key;
 use crate::link::Command;
 
+/// How long a finger rests on a key until the screen explains the key instead of pressing it, s. The slow touch of a gloved
+/// hand is shorter.
+const LONG_PRESS_S: f64 = 1.5;
 /// Time between two `Command::StillHeld`, s.
 const HOLD_REPEAT_S: f64 = 0.03;
 
@@ -36,7 +39,7 @@ enum PressState {
     Armed,
     /// `Press` has been sent and `Release` has not.
     Sent,
-    /// Released although the finger is still down; ignored until the next touch.
+    /// Released, or explained, although the finger is still down; ignored until the next touch.
     Cancelled,
 }
 
@@ -45,6 +48,7 @@ enum PressState {
 struct HeldKey {
     key: Key,
     state: PressState,
+    since: f64,
     last: f64,
     /// Drawn in this frame: a key that disappears from the screen is released.
     drawn: bool,
@@ -55,6 +59,8 @@ struct HeldKey {
 pub struct KeyPresses {
     finger: Option<HeldKey>,
     physical: Vec<(egui::Key, Modifiers, HeldKey)>,
+    /// A key that is to be explained.
+    explained: Option<Key>,
 }
 
 impl KeyPresses {
@@ -72,10 +78,14 @@ impl KeyPresses {
                 let at_once = trigger_of(key) != KeyTrigger::OnRelease;
                 let stage = if at_once { PressState::Sent } else { PressState::Armed };
                 out.extend(at_once.then_some(Command::Press(key)));
-                self.finger = Some(HeldKey { key, state: stage, last: now, drawn: true });
+                self.finger = Some(HeldKey { key, state: stage, since: now, last: now, drawn: true });
             }
             None if response.clicked() && !lost => out.extend([Command::Press(key), Command::Release(key)]),
             None => {}
+            Some(down) if on_it && down.state == PressState::Armed && now - down.since >= LONG_PRESS_S => {
+                self.explained = Some(key);
+                self.finger = Some(HeldKey { state: PressState::Cancelled, drawn: true, ..down });
+            }
             Some(down) if on_it => self.finger = Some(repeat_hold(down, now, out)),
             Some(down) => {
                 let counts = response.clicked() || (lifted && inside);
@@ -95,13 +105,19 @@ impl KeyPresses {
         on_it && self.finger.is_some_and(|down| down.key == key && down.state != PressState::Cancelled)
     }
 
+    /// The key that a long touch asks about; it is not pressed.
+    pub const fn take_explained(&mut self) -> Option<Key> {
+        self.explained.take()
+    }
+
     /// A physical key presses a panel key.
     pub fn key_down(&mut self, by: egui::Key, modifiers: Modifiers, key: Key, now: f64, out: &mut Vec<Command>) {
         if self.physical.iter().any(|(other, ..)| *other == by) {
             return;
         }
         out.push(Command::Press(key));
-        self.physical.push((by, modifiers, HeldKey { key, state: PressState::Sent, last: now, drawn: true }));
+        let held = HeldKey { key, state: PressState::Sent, since: now, last: now, drawn: true };
+        self.physical.push((by, modifiers, held));
     }
 
     /// Releases physical keys that are up, repeats `Hold` for those that are down.
@@ -150,7 +166,7 @@ fn repeat_hold(down: HeldKey, now: f64, out: &mut Vec<Command>) -> HeldKey {
 }
 
 /// Where the finger was lifted in this frame; after a touch egui has no pointer position.
-fn release_position(input: &egui::InputState) -> Option<egui::Pos2> {
+pub(super) fn release_position(input: &egui::InputState) -> Option<egui::Pos2> {
     input.events.iter().rev().find_map(|event| match event {
         egui::Event::PointerButton { pos, pressed: false, .. } => Some(*pos),
         _ => None,

@@ -176,6 +176,8 @@ pub struct KeyboardInput {
     pub next_soft_row: bool,
     /// Shift+F6: previous row of soft keys.
     pub previous_soft_row: bool,
+    /// Ctrl+F6: the map of the pages.
+    pub page_map: bool,
     /// F12: help overlay.
     pub help: bool,
     /// F7: alarm page.
@@ -206,6 +208,7 @@ pub fn read(ui: &Ui, machine: crate::defs::fitted::Fitted, words: bool) -> Keybo
                 match found {
                     Some(shortcut) if !repeat => asked.keys.push(*shortcut),
                     Some(_) => {}
+                    None if modifiers.ctrl && *key == egui::Key::F6 => asked.page_map = true,
                     None if modifiers.ctrl && !modifiers.alt => asked.ctrl_keys.push(*key),
                     None if modifiers.alt => asked.handwheel_detents += detent_of(*key),
                     None if !modified => asked.add_unmodified(*key, modifiers.shift),

@@ -9,7 +9,7 @@ use crate::defs::alarm;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::soft_key::{self, SoftKey, SoftKeyAction};
-use crate::defs::text::Lang;
+use crate::defs::text::phrase;
 use crate::link::Snapshot;
 use crate::link::snapshot::{AlarmView, RunState, Tone};
 use crate::units::Micros;
@@ -188,10 +188,7 @@ const OFFER_COLUMNS: usize = 3;
 fn interrupted_run(view: &View<'_>) -> Option<String> {
     let (program, line) = view.snapshot.interrupted.filter(|_| view.snapshot.page != Page::Program)?;
     let name = view.snapshot.title(program);
-    Some(match view.lang {
-        Lang::Zh => format!("断电续 {name} 第 {line} 行 ▶"),
-        Lang::En => format!("RESUME {name} line {line} ▶"),
-    })
+    Some(view.phrase(&phrase!("断电续 {name} 第 {line} 行 ▶", "RESUME {name} line {line} ▶", name, line)))
 }
 
 /// `手动方式 · 连续 · 停止 · F 100 % · 100 mm/min · S 1260 · 件数 12`; after a power cut the offer to resume is first. Returns
@@ -257,8 +254,8 @@ pub fn title(view: &View<'_>, rect: Rect, words: &str) -> Rect {
 const OPEN_PAGE_WIDTH: f32 = 96.0;
 /// Width of ◀ and ▶ each, points.
 const TURN_WIDTH: f32 = theme::TOUCH_TARGET;
-/// Width between ◀ and ▶ for the number of the row, points.
-const ROW_NUMBER_WIDTH: f32 = 32.0;
+/// Width between ◀ and ▶ of the key with the number of the row, which opens the map of the pages, points.
+const MAP_WIDTH: f32 = theme::TOUCH_TARGET;
 
 /// Which soft key was pressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -267,6 +264,8 @@ pub enum SoftKeyPress {
     Act(SoftKeyAction),
     /// Shows this row: ◀, ▶, or the key of the open page.
     Row(usize),
+    /// Opens the map of the pages, or closes it.
+    Map,
 }
 
 /// Number of soft key rows of this machine.
@@ -283,14 +282,14 @@ pub fn soft_key_row(view: &View<'_>, row: usize) -> impl Iterator<Item = SoftKey
 pub fn soft_keys(view: &View<'_>, rect: Rect, row: usize) -> Option<SoftKeyPress> {
     let open = soft_key::key_of_page(view.snapshot.page, view.snapshot.coordinates);
     let (page, rest) = rect.shrink2(vec2(theme::GAP, 3.0)).split_left(OPEN_PAGE_WIDTH);
-    let (keys, turn) = rest.split_right(2.0 * TURN_WIDTH + ROW_NUMBER_WIDTH);
+    let (keys, turn) = rest.split_right(2.0 * TURN_WIDTH + MAP_WIDTH);
     let mut pressed = None;
     for (index, soft) in soft_key_row(view, row).enumerate() {
         if soft_key_ui(view, keys.trim_sides(theme::GAP).cell(index, 5), index, &soft, soft.action == open) {
             pressed = Some(SoftKeyPress::Act(soft.action));
         }
     }
-    pressed.or(open_page_key(view, page, open).or(turn_keys(view, turn, row)).map(SoftKeyPress::Row))
+    pressed.or(open_page_key(view, page, open).map(SoftKeyPress::Row)).or(turn_keys(view, turn, row))
 }
 
 /// Draws the key of the open page: it is lit in every row and names its place. Returns its row if it is touched.
@@ -300,22 +299,23 @@ fn open_page_key(view: &View<'_>, place: Rect, open: SoftKeyAction) -> Option<us
     keycap::plate(view, place, &response);
     let (tag, name) = place.trim_sides(4.0).split_top(18.0);
     let (row, index) = soft_key::place(view.snapshot.kind, open)?;
-    let where_ = match view.lang {
-        Lang::Zh => format!("第 {} 行 F{}", row + 1, index + 1),
-        Lang::En => format!("row {} F{}", row + 1, index + 1),
-    };
+    let where_ = view.phrase(&phrase!("第 {row} 行 F{index}", "row {row} F{index}", row = row + 1, index = index + 1));
     view.line_centre(tag.trim_top(2.0), &where_, theme::SMALL, view.theme.muted);
     view.fit_centre(name.trim_bottom(3.0), label, theme::TITLE, view.theme.info);
     widget::selected_bar(view, place);
     response.clicked().then_some(row)
 }
 
-/// Draws ◀ and ▶ with the number of the row between them; returns the row to show.
-fn turn_keys(view: &View<'_>, rect: Rect, row: usize) -> Option<usize> {
+/// Draws ◀ and ▶ and between them the key with the number of the row, which opens the map of the pages.
+fn turn_keys(view: &View<'_>, rect: Rect, row: usize) -> Option<SoftKeyPress> {
     let count = soft_key_row_count(view);
     let (previous, rest) = rect.split_left(TURN_WIDTH);
     let (number, next) = rest.split_right(TURN_WIDTH);
-    view.line_centre(number, &format!("{}/{count}", row + 1), theme::LABEL, view.theme.muted);
+    let map = format!("{} page-map", view.text("全部页面", "all pages"));
+    let response = keycap::plain(view, number.shrink2(vec2(2.0, 0.0)), "page-map", map);
+    let (grid, figures) = number.split_top(0.52 * number.height());
+    map_sign(view, grid.trim_top(6.0));
+    view.line_centre(figures, &format!("{}/{count}", row + 1), theme::SMALL, view.theme.muted);
     let key = |place: Rect, sign: &str, name: &str| {
         let response = keycap::plain(view, place, ("soft", name), format!("{sign} {name}"));
         view.line_centre(place, sign, theme::TITLE, view.theme.text);
@@ -323,7 +323,19 @@ fn turn_keys(view: &View<'_>, rect: Rect, row: usize) -> Option<usize> {
     };
     let back = key(previous, "◀", "previous-row");
     let on = key(next, "▶", "next-row");
-    back.then_some((row + count - 1) % count).or(on.then_some((row + 1) % count))
+    let turned = back.then_some((row + count - 1) % count).or(on.then_some((row + 1) % count));
+    turned.map(SoftKeyPress::Row).or(response.clicked().then_some(SoftKeyPress::Map))
+}
+
+/// Three by two small keys: the map of the pages.
+fn map_sign(view: &View<'_>, rect: Rect) {
+    let size = vec2(7.0, 6.0);
+    for row in 0..2 {
+        for column in 0..3 {
+            let off = vec2((column as f32 - 1.0) * (size.x + 2.0), (row as f32 - 0.5) * (size.y + 2.0));
+            view.painter.rect_filled(Rect::from_center_size(rect.center() + off, size), 1.0, view.theme.text);
+        }
+    }
 }
 
 fn soft_key_ui(view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chosen: bool) -> bool {

@@ -3,7 +3,7 @@
 //! Source: spec H8, K7.8.
 
 use super::{Login, Question, View};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::link::Command;
 use crate::link::files::{Completion, FileRequest, FilesView, Refusal, Requester, Ticket};
 use crate::link::page_command::{PageCommand, PasswordScope};
@@ -93,9 +93,9 @@ pub const OVERWRITE_KEY: usize = 0;
 
 /// The question for a text that was changed on the disk since it was opened: overwrite it, read the disk, or cancel.
 pub fn conflict_question() -> Question {
-    let body = LocalizedText::new(
+    let body = phrase!(
         "打开之后磁盘上的文件已被改动。读磁盘：放弃这里的改动；覆盖：别处的改动丢失；取消：两者都保留。",
-        "The file on the disk was changed after it was opened. READ DISK discards the changes made here, OVERWRITE those on the disk; CANCEL keeps both.",
+        "The file on the disk was changed after it was opened. READ DISK discards the changes made here, OVERWRITE those on the disk; CANCEL keeps both."
     );
     let keys =
         [("question-overwrite", Text::new("覆盖", "OVERWRITE")), ("question-read", Text::new("读磁盘", "READ DISK"))];
@@ -107,7 +107,7 @@ pub const READ_FROM_DISK: Text = Text::new("已读磁盘上的文件", "read fro
 
 /// Asks whether the changes of a text are discarded.
 pub fn discard_question(name: &str) -> Question {
-    let body = LocalizedText::new(format!("{name} 的改动将丢失。"), format!("The changes to {name} will be lost."));
+    let body = phrase!("{name} 的改动将丢失。", "The changes to {name} will be lost.", name);
     let key = ("question-discard", Text::new("放弃", "DISCARD"));
     Question::new(Text::new("放弃改动？", "discard the changes?"), body, key)
 }

@@ -1,6 +1,7 @@
 //! Colours, sizes and font: the only place that defines the look of the pages.
 //! Source: spec H1, H4.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::{Color32, FontData, FontDefinitions, FontFamily, FontId, Vec2};
@@ -237,6 +238,18 @@ pub const PLOT: PlotColours = PlotColours {
     limit: Color32::from_rgb(180, 30, 30),
     axes: PerAxis([Color32::from_rgb(213, 94, 0), Color32::from_rgb(0, 158, 115), Color32::from_rgb(0, 114, 178)]),
 };
+
+/// The characters that the font of the screen lacks.
+#[must_use]
+pub fn lacking_glyphs(mut wanted: BTreeSet<char>) -> BTreeSet<char> {
+    let ctx = egui::Context::default();
+    install(&ctx, &DARK);
+    ctx.begin_pass(egui::RawInput::default());
+    ctx.fonts_mut(|fonts| wanted.retain(|sign| !fonts.has_glyph(&FontId::proportional(LABEL), *sign)));
+    // Nothing is drawn: the font's texture is not needed.
+    ctx.end_pass().textures_delta.clear();
+    wanted
+}
 
 /// Installs the font and disables what a machine screen must not do: keyboard zoom, text selection, animation.
 pub fn install(ctx: &egui::Context, theme: &Theme) {

@@ -3,7 +3,7 @@
 
 use super::EditKey;
 use super::field_editor::{CoreAnswer, FieldEditor, parse_within};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::defs::value_bound::TYPED_VALUE_LIMIT;
 use crate::link::Command;
 use crate::link::edit::EditAnswer;
@@ -16,7 +16,7 @@ pub fn parse_value(variable: u16, text: &str) -> Result<f64, LocalizedText> {
     let value = parse_within(text, TYPED_VALUE_LIMIT)?;
     let zero_or_one = [0.0_f64, 1.0].iter().any(|allowed| allowed.to_bits() == value.to_bits());
     if is_switch(variable) && !zero_or_one {
-        return Err(LocalizedText::new("只能输入 0 或 1", "only 0 or 1"));
+        return Err(phrase!("只能输入 0 或 1", "only 0 or 1"));
     }
     Ok(value)
 }

@@ -16,7 +16,7 @@ use super::theme::{self, Theme};
 use crate::defs::date::DateTime;
 use crate::defs::favourite::Favourite;
 use crate::defs::page_text::PageTextRow;
-use crate::defs::text::{Lang, Text};
+use crate::defs::text::{Lang, LocalizedText, Text, phrase};
 use crate::defs::variable_name;
 use crate::link::Snapshot;
 use crate::units::{Axis, Micros};
@@ -35,6 +35,8 @@ pub struct View<'a> {
     pub snapshot: &'a Snapshot,
     /// Language.
     pub lang: Lang,
+    /// The languages to choose from.
+    pub languages: &'a [Lang],
     /// Colours.
     pub theme: &'a Theme,
     /// The light theme is active.
@@ -54,8 +56,14 @@ pub struct View<'a> {
 impl View<'_> {
     /// A text in the language of the screen.
     #[must_use]
-    pub const fn text(&self, zh: &'static str, en: &'static str) -> &'static str {
+    pub fn text(&self, zh: &'static str, en: &'static str) -> &'static str {
         Text::new(zh, en).get(self.lang)
+    }
+
+    /// A phrase in the language of the screen.
+    #[must_use]
+    pub fn phrase(&self, phrase: &LocalizedText) -> String {
+        phrase.get(self.lang).into_owned()
     }
 
     /// The axes of the machine.
@@ -102,7 +110,7 @@ impl View<'_> {
 
     /// Unit of the positions; X may be a diameter.
     #[must_use]
-    pub const fn position_unit(&self) -> &'static str {
+    pub fn position_unit(&self) -> &'static str {
         if self.snapshot.x_as_diameter { self.text("mm · X 直径", "mm · X diameter") } else { "mm" }
     }
 
@@ -110,10 +118,7 @@ impl View<'_> {
     #[must_use]
     pub fn program_line(&self, place: Option<(u32, u32)>) -> Option<String> {
         let (program, line) = place.map(|(program, line)| (self.snapshot.title(program), line))?;
-        Some(match self.lang {
-            Lang::Zh => format!("{program} 第{line}行"),
-            Lang::En => format!("{program} line {line}"),
-        })
+        Some(self.phrase(&phrase!("{program} 第{line}行", "{program} line {line}", program, line)))
     }
 
     /// Time of day at a controller time, with the date if it is not today; without a clock, the time since power-on.

@@ -15,7 +15,7 @@ use super::core_fault::{CoreHealth, paint_core_fault};
 use super::repaint::LiveScreen;
 use super::theme;
 use crate::defs::favourite::Favourite;
-use crate::defs::text::Lang;
+use crate::defs::text::{Lang, Translation};
 use crate::link::{Command, Snapshot};
 
 /// Period of the watcher.
@@ -48,6 +48,8 @@ pub struct WindowOptions {
     pub fullscreen: bool,
     /// Language.
     pub lang: Lang,
+    /// The languages that the settings page offers beside Chinese and English.
+    pub added_languages: Vec<&'static Translation>,
     /// The light theme.
     pub light: bool,
     /// Brightness of the picture, percent.
@@ -91,6 +93,8 @@ pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
         native,
         Box::new(move |context| {
             let mut hmi = Hmi::new(options.lang);
+            hmi.add_languages(&options.added_languages);
+            hmi.set_fades(true);
             hmi.set_light(options.light);
             hmi.set_brightness(options.brightness);
             hmi.set_favourites(options.favourites);

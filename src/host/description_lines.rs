@@ -1,7 +1,7 @@
 //! The description of a machine as its page shows it: every device with its process data, and what they are bound to.
 //! Source: docs/manual, chapter "first start on a machine".
 
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::io::fieldbus::channel::CounterChannel;
 use crate::io::fieldbus::description::{
     AnalogChannel, DeviceDescription, DigitalChannels, EtherCatDescription, MachineDescription, PdoEntry, SdoWrite,
@@ -106,7 +106,7 @@ impl Lines {
     }
 
     fn axis(&mut self, axis: Axis, servo: &ServoAxisDescription) {
-        self.heading(LocalizedText::new(format!("{axis} 轴"), format!("axis {axis}")));
+        self.heading(phrase!("{axis} 轴", "axis {axis}", axis));
         self.property("设备", "device", servo.device.to_string());
         let sign = if servo.reversed { "-" } else { "" };
         self.property("每毫米脉冲", "counts per mm", format!("{sign}{}", servo.counts_per_mm));

@@ -3,7 +3,7 @@
 
 use std::fmt::Display;
 
-use crate::defs::text::{Lang, LocalizedText};
+use crate::defs::text::{Lang, LocalizedText, phrase};
 use crate::link::files::{FileAnswer, Refusal};
 use crate::link::line_fault::LineFault;
 use crate::nc::ProgramFault;
@@ -68,11 +68,12 @@ pub(super) fn done(zh: impl Into<String>, en: impl Into<String>) -> FileAnswer {
 /// The answer of a saved text; `kept` is false if it was saved as UTF-8 because GBK lacks a character.
 pub(super) fn saved(title: &str, number: u32, bytes: &[u8], kept: bool) -> FileAnswer {
     let message = if kept {
-        LocalizedText::new(format!("{title} 已保存"), format!("{title} saved"))
+        phrase!("{title} 已保存", "{title} saved", title)
     } else {
-        LocalizedText::new(
-            format!("{title} 已保存；含 GBK 以外的字，改用 UTF-8 编码"),
-            format!("{title} saved as UTF-8: it contains characters that are not in GBK"),
+        phrase!(
+            "{title} 已保存；含 GBK 以外的字，改用 UTF-8 编码",
+            "{title} saved as UTF-8: it contains characters that are not in GBK",
+            title
         )
     };
     FileAnswer::Saved { message, number, stamp: stamp(bytes) }

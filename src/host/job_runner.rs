@@ -21,7 +21,7 @@ use super::toolpath::{self, CycleTimer};
 use super::transfer::{self, SaveTarget, UsbTransfer};
 use crate::controller::files::BackgroundJob;
 use crate::defs::date::DateTime;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::link::files::{FileAnswer, FileRequest, LineCheck, Refusal};
 use crate::link::line_fault::LineFault;
 use crate::link::media::{Direction, MediaView, TransferRequest, TransferSet};
@@ -234,7 +234,7 @@ fn ends_with_control(request: &FileRequest) -> bool {
 impl JobRunner {
     /// Sends or receives programs over RS232.
     fn transfer_serial(&self, ask: &TransferRequest, job: &BackgroundJob, tell: Tell<'_>) -> ChangedFolders {
-        let unchosen = || SerialError::Port(LocalizedText::new("没有选择端口", "no port is chosen"));
+        let unchosen = || SerialError::Port(phrase!("没有选择端口", "no port is chosen"));
         let line = self.port().ok_or_else(unchosen).map_err(Refusal::from).and_then(|port| {
             let holdings = job.transfer_values.as_deref().ok_or_else(no_usb_drive)?;
             Ok(SerialLine::from_params(&holdings.params, port))

@@ -47,7 +47,7 @@ use crate::defs::alarm;
 use crate::defs::date::DateTime;
 use crate::defs::kind::Kind;
 use crate::defs::signal::Terminals;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::trace::TraceRow;
 use crate::io::{InputImage, OutputImage};
@@ -290,9 +290,9 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         }
         if self.requests.len() > MAX_WAITING_REQUESTS {
             self.requests.drain(..self.requests.len() - MAX_WAITING_REQUESTS / 2);
-            self.inbox.push(Command::DiskFailed(LocalizedText::new(
+            self.inbox.push(Command::DiskFailed(phrase!(
                 "存储线程没有响应，较早的数据没有保存",
-                "the storage thread does not answer: older values are not stored",
+                "the storage thread does not answer: older values are not stored"
             )));
         }
         if let Some(number) = self.part.to_ask {

@@ -43,7 +43,7 @@ fn file_number(page: u32) -> Result<u32, Refusal> {
 const fn class(id: PageTextId) -> &'static FileClass {
     match id.lang {
         Lang::Zh => &PAGE_TEXT,
-        Lang::En => &PAGE_TEXT_EN,
+        Lang::En | Lang::Added(_) => &PAGE_TEXT_EN,
     }
 }
 

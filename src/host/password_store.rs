@@ -166,7 +166,7 @@ impl PasswordStore {
             SettingsRequest::SaveFavourites(kept) => {
                 self.update_settings(|to| to.favourites = kept.iter().map(ToString::to_string).collect())?;
             }
-            SettingsRequest::SaveLang(lang) => self.update_settings(|settings| settings.lang = Some(*lang))?,
+            SettingsRequest::SaveLang(lang) => self.update_settings(|settings| settings.lang = Some((*lang).into()))?,
         }
         Ok(StorageAnswer::LangSaved)
     }

@@ -11,6 +11,7 @@ use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{AccessLevel, ParamAddress};
+use crate::defs::stop_reason::StopReason;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::units::Axis;
 
@@ -162,6 +163,8 @@ pub enum PageCommand {
     TakeDressPoint(Axis, f64),
     /// Removes the dressing points (K4.2).
     ClearDressPoints,
+    /// Says why the machine stands; none takes the reason back from now on.
+    ExplainStop(Option<StopReason>),
     /// Starts or ends a recording of the scope.
     Scope(ScopeCommand),
     /// Sets date and time of day.

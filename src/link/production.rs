@@ -10,6 +10,7 @@ use crate::defs::production_order::{
     MAX_ORDERS, MAX_PROPOSALS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, OrderValues, PLACES_OF_OPERATOR,
     ProductionOrder,
 };
+use crate::defs::stop_reason::StopReason;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::defs::value_bound::TYPED_VALUE_LIMIT;
@@ -171,6 +172,8 @@ pub struct ProductionView {
     pub parts: PartHistory,
     /// What the machine did, hour by hour.
     pub hours: HourHistory,
+    /// Why the machine stands, as the operator has said; none while it runs.
+    pub stop_reason: Option<StopReason>,
     /// Orders by their numbers.
     pub orders: Vec<ProductionOrder>,
 }
@@ -180,7 +183,7 @@ impl ProductionView {
     #[must_use]
     pub fn differs(&self, other: &Self) -> bool {
         (self.parts.version(), self.hours.version()) != (other.parts.version(), other.hours.version())
-            || self.orders != other.orders
+            || (self.stop_reason, &self.orders) != (other.stop_reason, &other.orders)
     }
 
     /// The order of a number.

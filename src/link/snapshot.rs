@@ -379,7 +379,7 @@ impl DirectoryRow {
     /// The title in a language: the comment, unless the program gives an English one.
     #[must_use]
     pub fn comment_in(&self, lang: Lang) -> &str {
-        self.english.as_deref().filter(|_| lang == Lang::En).unwrap_or(&self.comment)
+        lang.pick_of(&self.comment, self.english.as_deref())
     }
 }
 

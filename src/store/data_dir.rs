@@ -89,6 +89,12 @@ impl DataDir {
         self.root.join("screens")
     }
 
+    /// Language files, `de.ron` (H9). It is there only if somebody has put one into it.
+    #[must_use]
+    pub fn languages(&self) -> PathBuf {
+        self.root.join("languages")
+    }
+
     /// Backups of parameters and variables (K7.8).
     #[must_use]
     pub fn backups(&self) -> PathBuf {

@@ -20,6 +20,7 @@ mod file_class;
 mod folder;
 mod folder_watch;
 mod io_fault;
+mod language_files;
 mod listing;
 mod named_program;
 pub mod password;
@@ -43,6 +44,7 @@ pub use file_class::{
 pub use folder::{FileContent, Folder, FolderError, read_regular_file};
 pub use folder_watch::{FolderChange, FolderWatch, POLL_INTERVAL};
 pub use io_fault::IoFault;
+pub use language_files::{AddedLanguages, MAX_ADDED_LANGUAGES};
 pub use listing::{FolderEntry, FolderListing, IgnoredFile, LISTING_LIMIT};
 pub use named_program::{NamedProgram, list_named_programs, program_stem};
 pub use program_folder::{ProgramFolder, STEM_LIMIT};
@@ -51,6 +53,6 @@ pub use retained::{
     RetainedChange, RetainedData, RetainedDatabase, RetainedError, StorageFault, ToolOffset, generations,
     run_database_check, set_check_program, silence_database_check,
 };
-pub use settings::StoredSettings;
+pub use settings::{StoredLang, StoredSettings};
 pub use usb_drive::{ListedFile, UsbDrive};
 pub use values::Values;

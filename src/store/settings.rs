@@ -19,7 +19,7 @@ pub struct StoredSettings {
     /// Kind of machine.
     pub kind: Option<Kind>,
     /// Language of the screen.
-    pub lang: Option<Lang>,
+    pub lang: Option<StoredLang>,
     /// The light theme instead of the dark one.
     pub light: Option<bool>,
     /// Brightness of the screen, percent.
@@ -28,6 +28,39 @@ pub struct StoredSettings {
     pub serial: Option<String>,
     /// What the operator keeps on the home page, each in words.
     pub favourites: Vec<String>,
+}
+
+/// A language by its name: the file of an added one may be gone at the next start.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StoredLang {
+    /// 中文
+    Zh,
+    /// English
+    En,
+    /// An added one, by its code.
+    Added(String),
+}
+
+impl StoredLang {
+    /// Its code by ISO 639.
+    #[must_use]
+    pub fn code(&self) -> &str {
+        match self {
+            Self::Zh => Lang::Zh.code(),
+            Self::En => Lang::En.code(),
+            Self::Added(code) => code,
+        }
+    }
+}
+
+impl From<Lang> for StoredLang {
+    fn from(lang: Lang) -> Self {
+        match lang {
+            Lang::Zh => Self::Zh,
+            Lang::En => Self::En,
+            Lang::Added(translation) => Self::Added(translation.code.clone()),
+        }
+    }
 }
 
 impl StoredSettings {

@@ -17,6 +17,7 @@ mod docs;
 mod foreign;
 mod fuzz_corpus;
 mod host;
+mod languages;
 mod modbus;
 mod network;
 mod pace;

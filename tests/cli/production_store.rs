@@ -41,7 +41,13 @@ fn b6_the_next_start_finds_parts_hours_and_orders() {
         wheel_mm: Some(598.4),
         alarms: [103, 0, 0, 0],
     };
-    let hour = HourRecord { hour: 498_686, seconds: [1_800, 600, 60, 1_140], good: 37, bad: 1 };
+    let hour = HourRecord {
+        hour: 498_686,
+        seconds: [1_800, 600, 60, 1_140],
+        explained: [0, 0, 0, 0, 600, 0],
+        good: 37,
+        bad: 1,
+    };
     let (mut store, _) = open(folder.path());
     store
         .commit(&[

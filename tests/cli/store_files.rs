@@ -6,12 +6,11 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use kt830::defs::kind::{Dialect, Kind};
-use kt830::defs::text::Lang;
 use kt830::host::retained_store::RetainedStore;
 use kt830::store::ron_file::{self, ChecksumPolicy, LoadedFile, RonError, RonWarning};
 use kt830::store::{
     DataDir, Encoding, FileClass, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PAGE_TEXT_EN, PICTURE,
-    POLL_INTERVAL, PROGRAM, StoredSettings, Values, decode, password, program_stem, stamp,
+    POLL_INTERVAL, PROGRAM, StoredLang, StoredSettings, Values, decode, password, program_stem, stamp,
 };
 use kt830::units::PerAxis;
 use serde::{Deserialize, Serialize};
@@ -414,10 +413,17 @@ fn b6_passwords_are_kept_hashed_with_a_salt() {
 fn k1_the_kind_and_the_language_are_kept() {
     let folder = tempfile::tempdir().expect("a folder");
     assert_eq!(StoredSettings::read(folder.path()).expect("no file"), StoredSettings::default());
-    let chosen =
-        StoredSettings { kind: Some(Kind::Ga), lang: Some(Lang::En), light: Some(true), ..StoredSettings::default() };
+    let chosen = StoredSettings {
+        kind: Some(Kind::Ga),
+        lang: Some(StoredLang::En),
+        light: Some(true),
+        ..StoredSettings::default()
+    };
     chosen.write(folder.path()).expect("written");
     assert_eq!(StoredSettings::read(folder.path()).expect("a file"), chosen);
+    let added = StoredSettings { lang: Some(StoredLang::Added("de".to_owned())), ..chosen };
+    added.write(folder.path()).expect("written");
+    assert_eq!(StoredSettings::read(folder.path()).expect("a file"), added);
     std::fs::write(folder.path().join("settings.ron"), "(kind: Some(Gs))").expect("written");
     let by_hand = StoredSettings::read(folder.path()).expect("edited by hand");
     assert_eq!(by_hand, StoredSettings { kind: Some(Kind::Gs), ..StoredSettings::default() });

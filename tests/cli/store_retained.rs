@@ -47,7 +47,13 @@ fn one_of_each() -> Vec<RetainedChange> {
         RetainedChange::Text { key: "program".to_owned(), value: Some("O1001 外圆".to_owned()) },
         RetainedChange::Alarm(alarm(7, "急停")),
         RetainedChange::Part(part(1_001)),
-        RetainedChange::Hour(HourRecord { hour: 498_686, seconds: [1_800, 600, 60, 1_140], good: 37, bad: 1 }),
+        RetainedChange::Hour(HourRecord {
+            hour: 498_686,
+            seconds: [1_800, 600, 60, 1_140],
+            explained: [0, 1_200, 0, 0, 0, 300],
+            good: 37,
+            bad: 1,
+        }),
     ]
 }
 

@@ -2,7 +2,7 @@
 //! name, no document that names what is gone. A file and the files below it may import each other.
 
 mod imports;
-mod tokens;
+pub mod tokens;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

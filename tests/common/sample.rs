@@ -354,6 +354,7 @@ fn hour_history() -> HourHistory {
             12 => [600, 2_400, 0, 600],
             _ => [3_000, 240, 0, 360],
         },
+        explained: if of_day == 12 { [1_800, 0, 0, 0, 300, 0] } else { [0; 6] },
         good: if of_day == 5 { 0 } else { 35 },
         bad: u32::from(of_day == 9),
     };
@@ -364,7 +365,8 @@ fn hour_history() -> HourHistory {
 pub fn busy(page: Page) -> Snapshot {
     let mut snapshot = running(page);
     snapshot.interrupted = Some((1_001, 12_345));
-    snapshot.production = ProductionView { parts: part_history(), hours: hour_history(), orders: orders() };
+    snapshot.production =
+        ProductionView { parts: part_history(), hours: hour_history(), stop_reason: None, orders: orders() };
     let said = |zh: &str, en: &str| LocalizedText::new(zh, en);
     snapshot.simulated = Some(Arc::new(SimView {
         forced: vec![(Input::HydraulicPressure, true)],

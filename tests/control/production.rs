@@ -8,9 +8,11 @@ use kt830::defs::kind::Kind;
 use kt830::defs::part_record::{MAX_PART_RECORDS, PartHistory, PartRecord};
 use kt830::defs::part_verdict::PartVerdict;
 use kt830::defs::production_order::{MAX_ORDERS, MAX_PROPOSALS, OrderState, OrderValues, ProductionOrder};
+use kt830::defs::stop_reason::StopReason;
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
+use kt830::link::page_command::PageCommand;
 use kt830::link::part_result::{CorrectionAdvice, PartCommand};
 use kt830::link::production::{OrderCommand, OrderProposal};
 
@@ -369,6 +371,58 @@ fn b6_the_hours_count_what_the_machine_does() {
     let hours = rig.snapshot().production.hours.to_vec();
     assert_eq!(hours.len(), 2);
     assert!(hours[0].seconds_on() >= before.seconds_on() + 10, "{hours:?}");
+}
+
+/// Ten minutes before eight the machine stands; at five past eight the operator says why, and it stands for five more.
+#[test]
+fn b6_a_stop_has_the_reason_that_the_operator_gives() {
+    let mut rig = shop();
+    let eight = DateTime::parse("2026-11-28 08:00:00").expect("a date");
+    let explain = |reason| Command::Page(PageCommand::ExplainStop(reason));
+    let explained = |rig: &mut HeadlessHost, reason: StopReason| -> Vec<u32> {
+        rig.snapshot().production.hours.iter().map(|record| record.explained[reason as usize]).collect()
+    };
+    let near = |found: Vec<u32>, wanted: [u32; 2]| {
+        found.len() == 2 && found.iter().zip(wanted).all(|(found, wanted)| found.abs_diff(wanted) <= 1)
+    };
+    rig.send(Command::WallClock(DateTime(eight.0 - 600)));
+    tell(&mut rig, "wait 900 s");
+    rig.send(explain(Some(StopReason::Repair)));
+    tell(&mut rig, "wait 0.1 s");
+    assert_eq!(rig.snapshot().production.stop_reason, Some(StopReason::Repair));
+    let found = explained(&mut rig, StopReason::Repair);
+    assert!(near(found.clone(), [600, 300]), "{found:?}");
+    // It holds from now on; another one holds from then on and leaves what was said before.
+    tell(&mut rig, "wait 300 s");
+    rig.send(explain(Some(StopReason::SetUp)));
+    tell(&mut rig, "wait 100 s");
+    rig.send(explain(None));
+    tell(&mut rig, "wait 50 s");
+    let (repair, set_up) = (explained(&mut rig, StopReason::Repair), explained(&mut rig, StopReason::SetUp));
+    assert!(near(repair.clone(), [600, 600]) && near(set_up.clone(), [0, 100]), "{repair:?} {set_up:?}");
+    // What stood without a reason gets the next one, and no hour has more reasons than it stood.
+    rig.send(explain(Some(StopReason::Break)));
+    tell(&mut rig, "wait 11 s");
+    for record in rig.snapshot().production.hours.iter() {
+        let stood = record.seconds_on() - record.seconds[MachineUse::Running as usize];
+        assert!(record.explained.iter().sum::<u32>() <= stood, "{record:?}");
+    }
+    let found = explained(&mut rig, StopReason::Break);
+    assert!(found[1].abs_diff(61) <= 11, "{found:?}");
+    // The next run ends it; while it runs no reason is taken.
+    let text = b"G04 P20000\nM31\nM30".to_vec();
+    rig.add_program(program_from_bytes(1_002, "O1002.NC", text, rig.kind().dialect()));
+    tell(&mut rig, "load O1002\nmode auto\nkey cycle-start\nwait 5 s");
+    assert_eq!(rig.snapshot().production.stop_reason, None);
+    rig.send(explain(Some(StopReason::NoParts)));
+    tell(&mut rig, "wait 0.1 s");
+    assert_eq!(rig.snapshot().production.stop_reason, None);
+    assert!(rig.snapshot().message.text.zh().contains("机床在运行"), "{}", rig.snapshot().message.text.zh());
+    tell(&mut rig, "wait until idle max 60 s\nwait 20 s");
+    assert_eq!(explained(&mut rig, StopReason::NoParts), [0, 0]);
+    // It is stored: a power cut keeps what was said.
+    let kept: Vec<_> = rig.retained().hours.iter().map(|record| record.explained).collect();
+    assert!(kept.iter().any(|explained| explained[StopReason::Repair as usize] >= 599), "{kept:?}");
 }
 
 /// A month later an hour takes the slot of the one before.

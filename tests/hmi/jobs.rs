@@ -8,6 +8,7 @@ use kt830::defs::alarm_history::{AlarmEnd, AlarmHistory, PastAlarm};
 use kt830::defs::date::DateTime;
 use kt830::defs::page::Page;
 use kt830::defs::production_order::OrderState;
+use kt830::defs::stop_reason::StopReason;
 use kt830::defs::text::LocalizedText;
 use kt830::host::folders::program_from_bytes;
 use kt830::link::Command;
@@ -255,13 +256,43 @@ fn b6_the_day_of_the_machine_is_summed_by_shift() {
     });
     let table = table.expect("a table");
     assert_eq!(table.lines().count(), 1 + 11, "{table}");
-    assert!(table.contains(" 09:00:00,1900,0,1200,500,35,1\r\n"), "{table}");
+    assert!(table.contains(" 09:00:00,1900,0,1200,500,35,1,0,0,0,0,0,0\r\n"), "{table}");
+    assert!(table.contains(" 12:00:00,600,2400,0,600,35,0,1800,0,0,0,300,0\r\n"), "{table}");
     // The day before has nothing.
     touch(&mut screen, "前一天 day-before");
     assert!(!painted(&screen).iter().any(|text| text == "280 / 1"));
     touch(&mut screen, "后一天 day-after");
     touch(&mut screen, "后一天 day-after");
     assert!(painted(&screen).iter().any(|text| text == "280 / 1"), "there is no day after today");
+}
+
+/// From 12 to 13 o'clock the machine stood for 3 000 s: no parts for 1 800 s, repair for 300 s. Standing in the day,
+/// from 6 o'clock on: 1 700 s, 3 000 s and eight times 600 s, 9 500 s; 2 100 s have a reason, 7 400 s have none.
+#[test]
+fn b6_the_operator_says_why_the_machine_stands() {
+    let mut screen = open(busy(Page::Jobs));
+    let touch = |screen: &mut Screen, label: &str| {
+        screen.get_by_label(label).click();
+        (0..2).for_each(|_| screen.step());
+    };
+    touch(&mut screen, "班次 jobs-shifts");
+    assert!(painted(&screen).iter().any(|text| text == "停机没有原因: 123 min"), "{:?}", painted(&screen));
+    let given = |screen: &mut Screen| {
+        let sent = std::mem::take(&mut screen.state_mut().sent);
+        sent.into_iter().find_map(|command| match command {
+            Command::Page(PageCommand::ExplainStop(reason)) => Some(reason),
+            _ => None,
+        })
+    };
+    touch(&mut screen, "缺料  30 min stop-no-parts");
+    assert_eq!(given(&mut screen), Some(Some(StopReason::NoParts)));
+    // The reason that holds is lit; a touch of it takes it back.
+    screen.state_mut().snapshot.production.stop_reason = Some(StopReason::Repair);
+    screen.step();
+    touch(&mut screen, "维修  5 min stop-repair");
+    assert_eq!(given(&mut screen), Some(None));
+    touch(&mut screen, "休息 stop-break");
+    assert_eq!(given(&mut screen), Some(Some(StopReason::Break)));
 }
 
 /// An alarm that stood from 9:00 to 9:20, twice another one for a minute each, one of the day before.

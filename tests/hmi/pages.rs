@@ -18,6 +18,7 @@ use kt830::link::program_view::ProgramView;
 use kt830::link::screens::{FileFault, Screens};
 use kt830::link::snapshot::AxisView;
 use kt830::link::start_guide::StartGuide;
+use kt830::store::AddedLanguages;
 use kt830::units::Axis;
 
 const SIZES: [(u32, u32); 5] = [(800, 600), (1_024, 768), (1_280, 800), (1_920, 1_080), (768, 1_024)];
@@ -536,4 +537,26 @@ fn h7_grinding_feeds_show_the_digits_that_they_have() {
         let status = format!("{shown} mm/min");
         assert!(texts.contains(&status), "{feed}: {texts:?}");
     }
+}
+
+/// The languages that come with the control are cut nowhere, either; the base display is the narrowest.
+#[test]
+fn h9_nothing_is_cut_in_the_shipped_languages() {
+    let mut wrong = Vec::new();
+    for language in AddedLanguages::read(Path::new("no folder")).languages {
+        let lang = Lang::Added(language.keep());
+        let mut stage = OffscreenHmi::new(Hmi::new(lang), (1_024, 768));
+        for page in Page::ALL {
+            for machine in [snapshot(*page), running(*page), busy(*page)] {
+                wrong.extend(misfits(&mut stage, &machine, lang.code()));
+            }
+            for kind in Kind::ALL {
+                wrong.extend(misfits(&mut stage, &of_kind(snapshot(*page), kind), kind.id()));
+            }
+        }
+    }
+    let mut lines: Vec<_> = wrong.into_iter().collect();
+    lines.sort();
+    lines.dedup();
+    assert!(lines.is_empty(), "{} misfits:\n{}", lines.len(), lines.join("\n"));
 }

@@ -4,8 +4,9 @@
 use egui::accesskit::Toggled;
 use egui_kittest::kittest::{NodeT, Queryable};
 use kt830::defs::key::Key;
+use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
-use kt830::defs::soft_key::{self, ROWS as SOFT_ROWS};
+use kt830::defs::soft_key::{self, ROWS as SOFT_ROWS, SoftKeyAction};
 use kt830::link::Command;
 
 use crate::operators::{Hand, Operator};
@@ -106,4 +107,64 @@ fn k7_1_a_story_turns_the_rows_back() {
     crate::stories::tell(&mut rig, "page position\nkey previous-row\nkey f1");
     assert_eq!(rig.snapshot().page, Page::Jobs, "before the first row comes the last");
     assert!(Key::ALL.contains(&Key::PreviousRow));
+}
+
+#[test]
+fn k7_1_the_map_shows_all_pages_and_a_touch_opens_one() {
+    for kind in Kind::ALL {
+        let mut machine = crate::sample::snapshot(Page::Alarm);
+        (machine.kind, machine.simulated) = (kind, crate::sample::busy(Page::Alarm).simulated);
+        let mut screen = open(machine);
+        screen.get_by_label("全部页面 page-map").click();
+        (0..2).for_each(|_| screen.step());
+        let rows = soft_key::row_count(true);
+        for row in 0..rows {
+            for (index, soft) in soft_key::row(kind, row).enumerate() {
+                let name = format!("{} map-{}-{}", soft.label.zh, row + 1, index + 1);
+                assert!(screen.query_by_label(&name).is_some(), "{name} on {kind:?}");
+            }
+        }
+        let key = |page: Page| {
+            let action = SoftKeyAction::Open(page);
+            let (row, index) = soft_key::place(kind, action).unwrap();
+            format!("{} map-{}-{}", action.label_on(kind).zh, row + 1, index + 1)
+        };
+        assert!(is_lit(&screen, &key(Page::Alarm)), "the open page is marked");
+        assert!(sent(&mut screen).is_empty());
+        screen.get_by_label(&key(Page::Graphic)).click();
+        (0..2).for_each(|_| screen.step());
+        assert_eq!(sent(&mut screen), [format!("{:?}", Command::OpenPage(Page::Graphic))]);
+        assert!(screen.query_by_label(&key(Page::Graphic)).is_none(), "the map is gone");
+    }
+}
+
+#[test]
+fn k7_1_the_map_is_used_by_keyboard_and_covers_the_page() {
+    let mut screen = open(crate::sample::snapshot(Page::Alarm));
+    let key = |screen: &mut Screen, key: egui::Key, modifiers: egui::Modifiers| {
+        screen.key_press_modifiers(modifiers, key);
+        (0..2).for_each(|_| screen.step());
+    };
+    let none = egui::Modifiers::NONE;
+    key(&mut screen, egui::Key::F6, egui::Modifiers::CTRL);
+    assert!(screen.query_by_label("图形 map-2-3").is_some());
+    // Two rows up from 报警 (row 4, F2) and one to the right.
+    [egui::Key::ArrowUp, egui::Key::ArrowUp, egui::Key::ArrowRight, egui::Key::Enter]
+        .into_iter()
+        .for_each(|pressed| key(&mut screen, pressed, none));
+    assert_eq!(sent(&mut screen), [format!("{:?}", Command::OpenPage(Page::Graphic))]);
+    // Escape closes it, and so do its key, the help and an alarm's page; letters do nothing beneath it.
+    let mut screen = open(crate::sample::snapshot(Page::Position));
+    key(&mut screen, egui::Key::F6, egui::Modifiers::CTRL);
+    key(&mut screen, egui::Key::X, none);
+    assert!(sent(&mut screen).is_empty());
+    key(&mut screen, egui::Key::Escape, none);
+    assert!(screen.query_by_label("图形 map-2-3").is_none());
+    key(&mut screen, egui::Key::F6, egui::Modifiers::CTRL);
+    key(&mut screen, egui::Key::F12, none);
+    assert!(screen.query_by_label("图形 map-2-3").is_none());
+    key(&mut screen, egui::Key::F6, egui::Modifiers::CTRL);
+    assert!(screen.query_by_label("图形 map-2-3").is_some());
+    key(&mut screen, egui::Key::F6, egui::Modifiers::CTRL);
+    assert!(screen.query_by_label("图形 map-2-3").is_none());
 }

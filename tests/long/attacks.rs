@@ -11,11 +11,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use kt830::controller::StorageRequest;
 use kt830::defs::kind::Kind;
-use kt830::defs::text::Lang;
 use kt830::host::retained_store::{RetainedStore, StoreReport};
 use kt830::io::random::SplitMix64;
 use kt830::link::page_command::{PasswordScope, Secret, SettingsRequest};
-use kt830::store::{StoredSettings, silence_database_check};
+use kt830::store::{StoredLang, StoredSettings, silence_database_check};
 use tempfile::TempDir;
 
 use crate::command::kt830;
@@ -194,7 +193,7 @@ fn k1_damaged_settings_change_no_kind_and_refuse_no_start() {
     let folder = session();
     let settings = StoredSettings {
         kind: Some(Kind::Gc),
-        lang: Some(Lang::Zh),
+        lang: Some(StoredLang::Zh),
         brightness: Some(70),
         ..StoredSettings::default()
     };

@@ -6,6 +6,8 @@ use crate::controller::storage_request::StorageRequest;
 use crate::defs::date::DateTime;
 use crate::defs::history::HistoryEntry;
 use crate::defs::hour_record::{HourHistory, HourRecord, MachineUse};
+use crate::defs::stop_reason::StopReason;
+use crate::defs::text::Text;
 use crate::link::snapshot::RunState;
 use crate::units::Micros;
 
@@ -13,6 +15,18 @@ use crate::units::Micros;
 const FOLD_INTERVAL: Micros = Micros::from_millis(10_000);
 /// The hour that goes on is stored so often. A power cut loses as much.
 const STORE_INTERVAL: Micros = Micros::from_millis(300_000);
+/// A reason is given for the stop so far, up to so many hours back.
+const LONGEST_EXPLAINED_HOURS: u64 = 24;
+
+const RUNS: Text = Text::new("机床在运行：停机原因在停机时给出", "the machine runs: a reason is given while it stands");
+
+/// A stop that goes on.
+#[derive(Clone, Copy, Default)]
+struct Stop {
+    reason: Option<StopReason>,
+    /// How much of it has no reason.
+    unexplained: Micros,
+}
 
 /// The hours of the machine.
 #[derive(Default)]
@@ -20,6 +34,10 @@ pub struct HourLog {
     hours: HourHistory,
     /// Times that no hour has yet, by [`MachineUse::ALL`].
     pending: [Micros; MachineUse::ALL.len()],
+    /// Times with a reason that no hour has yet, by [`StopReason::ALL`].
+    pending_explained: [Micros; StopReason::ALL.len()],
+    /// The stop that goes on; none while the machine runs.
+    stop: Option<Stop>,
     folded_at: Micros,
     stored_at: Micros,
     /// The hour that goes on.
@@ -85,22 +103,63 @@ impl HourLog {
         }
         let tick = plant.axes.tick_time();
         self.pending[now_is as usize] = self.pending[now_is as usize] + tick;
+        self.follow_stop(now_is, tick);
         if plant.now.since(self.folded_at) >= FOLD_INTERVAL {
             let store = plant.now.since(self.stored_at) >= STORE_INTERVAL;
             self.fold(plant, store);
         }
     }
 
+    fn follow_stop(&mut self, now_is: MachineUse, tick: Micros) {
+        if now_is == MachineUse::Running {
+            self.stop = None;
+            return;
+        }
+        let stop = self.stop.get_or_insert_default();
+        match stop.reason {
+            Some(reason) => {
+                let time = &mut self.pending_explained[reason as usize];
+                *time = *time + tick;
+            }
+            None => stop.unexplained = stop.unexplained + tick,
+        }
+    }
+
+    /// The reason that the operator has given for the stop that goes on.
+    pub fn stop_reason(&self) -> Option<StopReason> {
+        self.stop.and_then(|stop| stop.reason)
+    }
+
+    /// Gives the stop that goes on a reason, for what of it has none and from now on; or takes the reason away from now on.
+    fn explain(&mut self, plant: &mut Plant, date: Option<DateTime>, reason: Option<StopReason>) -> Result<(), Text> {
+        self.fold(plant, true);
+        let stop = self.stop.as_mut().ok_or(RUNS)?;
+        stop.reason = reason;
+        let (Some(reason), Some(date)) = (reason, date) else { return Ok(()) };
+        let mut seconds = (std::mem::take(&mut stop.unexplained).0 / 1_000_000) as u32;
+        let Some(now) = HourRecord::hour_of(date) else { return Ok(()) };
+        for hour in (now.saturating_sub(LONGEST_EXPLAINED_HOURS)..=now).rev() {
+            let known = self.hours.iter().find(|record| record.hour == hour);
+            let here = known.map_or(0, HourRecord::seconds_unexplained).min(seconds);
+            if here > 0 {
+                let record = self.change(hour, |record| record.explained[reason as usize] += here);
+                plant.store(StorageRequest::Hour(record));
+            }
+            seconds -= here;
+        }
+        Ok(())
+    }
+
     /// Adds whole seconds to the hour; what is less waits.
     fn fold(&mut self, plant: &mut Plant, store: bool) {
         self.folded_at = plant.now;
         let Some(hour) = self.hour else { return };
-        let seconds = self.pending.map(|time| (time.0 / 1_000_000) as u32);
-        for (time, seconds) in self.pending.iter_mut().zip(seconds) {
-            time.0 -= u64::from(seconds) * 1_000_000;
-        }
+        let (seconds, explained) = (self.pending.map(whole_seconds), self.pending_explained.map(whole_seconds));
+        let times = self.pending.iter_mut().zip(seconds).chain(self.pending_explained.iter_mut().zip(explained));
+        times.for_each(|(time, seconds)| time.0 -= u64::from(seconds) * 1_000_000);
         let record = self.change(hour, |record| {
-            record.seconds.iter_mut().zip(seconds).for_each(|(sum, more)| *sum += more);
+            let now = HourRecord { seconds, explained, ..HourRecord::default() };
+            record.add(&now);
         });
         if store {
             self.stored_at = plant.now;
@@ -109,7 +168,20 @@ impl HourLog {
     }
 }
 
+/// The whole seconds of a time.
+const fn whole_seconds(time: Micros) -> u32 {
+    (time.0 / 1_000_000) as u32
+}
+
 impl Panel {
+    /// The operator says why the machine stands.
+    pub fn explain_stop(&mut self, parts: &mut Parts<'_>, reason: Option<StopReason>) {
+        let date = self.calendar.date(parts.plant.now);
+        if let Err(why) = self.production.hours.explain(parts.plant, date, reason) {
+            parts.plant.refuse(why);
+        }
+    }
+
     /// The control ends: the hour is stored as it is.
     pub fn store_hours(&mut self, plant: &mut Plant) {
         self.production.hours.fold(plant, true);

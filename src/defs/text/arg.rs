@@ -19,6 +19,9 @@ use crate::units::Axis;
 /// Bytes of a name that is kept in place; a longer one is shared.
 const SHORT_NAME: usize = 30;
 
+/// A place in a text.
+const PLACE: Template = Template::new("第{line}行 第{column}列", "line {line}, column {column}", &["line", "column"]);
+
 /// An argument of a phrase.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Arg {
@@ -88,7 +91,7 @@ impl Arg {
 
     /// The characters of a name, or words in a language; empty for any other argument.
     pub(super) fn as_name_in(&self, lang: Lang) -> &str {
-        if let Self::Words(words) = self { words.get(lang) } else { self.as_name() }
+        if let Self::Words(words) = self { words.get(lang) } else { lang.pick_of(self.as_name(), None) }
     }
 
     /// The argument alone, in English where languages differ.
@@ -114,10 +117,7 @@ impl Arg {
             Self::Date(date) => write!(out, "{date}"),
             Self::Variable(number, dialect) => out.write_str(&variable_name(*number, *dialect)),
             Self::Program(number) => out.write_str(&program_number::name_of(*number)),
-            Self::Place(line, column) => match lang {
-                Lang::Zh => write!(out, "第{line}行 第{column}列"),
-                Lang::En => write!(out, "line {line}, column {column}"),
-            },
+            Self::Place(line, column) => PLACE.write(out, lang, &[Self::from(*line), Self::from(*column)]),
             Self::Input(input) => out.write_str(input.name().get(lang)),
             Self::Output(output) => out.write_str(output.name().get(lang)),
             Self::Key(key, kind) => out.write_str(key.label_on(*kind).get(lang)),
@@ -225,7 +225,7 @@ macro_rules! names {
     };
 }
 
-names!(&str, String, Cow<'_, str>);
+names!(&str, String, &String, Cow<'_, str>);
 
 /// Types that an argument holds as they are.
 macro_rules! arguments {

@@ -1,10 +1,11 @@
-//! Texts in the two languages of the control.
+//! Texts in the two languages of the control, and in those that files add.
 //!
 //! The core says what it means by a phrase: a constant template and its arguments. Making, cloning and dropping one
 //! allocates nothing. The screen, the disk thread and the tests put it into words.
 
 pub mod arg;
 mod localized;
+mod translation;
 
 use std::sync::Arc;
 
@@ -12,15 +13,57 @@ use serde::{Deserialize, Serialize};
 
 pub use localized::LocalizedText;
 pub(crate) use localized::phrase;
+pub use translation::{LanguageFile, Translation, TranslationRow};
 
 /// A language of the control. Chinese is the default.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Lang {
     /// 中文
     #[default]
     Zh,
     /// English
     En,
+    /// One that a file adds.
+    Added(&'static Translation),
+}
+
+impl Lang {
+    /// Its code by ISO 639: `zh`, `en`, `de`.
+    #[must_use]
+    pub fn code(self) -> &'static str {
+        match self {
+            Self::Zh => "zh",
+            Self::En => "en",
+            Self::Added(translation) => &translation.code,
+        }
+    }
+
+    /// Its own name: `中文`, `English`, `Deutsch`.
+    #[must_use]
+    pub fn own_name(self) -> &'static str {
+        match self {
+            Self::Zh => "中文",
+            Self::En => "English",
+            Self::Added(translation) => &translation.name,
+        }
+    }
+
+    /// A text by its Chinese and its English. What an added language lacks is shown in English.
+    #[must_use]
+    pub fn pick<'t>(self, zh: &'t str, en: &'t str) -> &'t str {
+        match self {
+            Self::Zh => zh,
+            Self::En => en,
+            Self::Added(translation) => translation.find(zh, en).unwrap_or(en),
+        }
+    }
+
+    /// A text of the customer by his own words and their English, if he gives it.
+    #[must_use]
+    pub fn pick_of<'t>(self, own: &'t str, english: Option<&'t str>) -> &'t str {
+        let shown = self.pick(own, english.unwrap_or_default());
+        if shown.is_empty() { own } else { shown }
+    }
 }
 
 /// A constant text in both languages.
@@ -41,11 +84,8 @@ impl Text {
 
     /// The text in a language.
     #[must_use]
-    pub const fn get(self, lang: Lang) -> &'static str {
-        match lang {
-            Lang::Zh => self.zh,
-            Lang::En => self.en,
-        }
+    pub fn get(self, lang: Lang) -> &'static str {
+        lang.pick(self.zh, self.en)
     }
 }
 
@@ -126,10 +166,7 @@ impl Words {
     /// The text in a language.
     #[must_use]
     pub fn get(&self, lang: Lang) -> &str {
-        match lang {
-            Lang::Zh => &self.zh,
-            Lang::En => &self.en,
-        }
+        lang.pick(&self.zh, &self.en)
     }
 }
 

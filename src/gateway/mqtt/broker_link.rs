@@ -16,7 +16,7 @@ use mqtt_protocol_core::mqtt::{Connection, Version, role};
 use rustls::ClientConnection;
 
 use super::broker_settings::TlsEnds;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::gateway::in_words;
 use crate::gateway::wire::Wire;
 use crate::link::network::TlsView;
@@ -353,7 +353,7 @@ fn refusal(code: ConnectReturnCode) -> LocalizedText {
         ConnectReturnCode::BadUserNameOrPassword | ConnectReturnCode::NotAuthorized => {
             Text::new("服务器拒绝了用户或密码", "the broker refuses user or password").into()
         }
-        code => LocalizedText::new(format!("服务器拒绝了连接：{code}"), format!("refused by the broker: {code}")),
+        code => phrase!("服务器拒绝了连接：{code}", "refused by the broker: {code}", code = code.to_string()),
     }
 }
 
@@ -376,9 +376,10 @@ fn io_fault(error: &std::io::Error) -> Option<LocalizedText> {
             "the certificate of the broker is not valid now: check this clock and its dates",
         )
         .into(),
-        Some(rustls::Error::InvalidCertificate(why)) => LocalizedText::new(
-            format!("服务器的证书无效：{why}"),
-            format!("the certificate of the broker is not accepted: {why}"),
+        Some(rustls::Error::InvalidCertificate(why)) => phrase!(
+            "服务器的证书无效：{why}",
+            "the certificate of the broker is not accepted: {why}",
+            why = why.to_string()
         ),
         Some(other) => in_words(format!("TLS: {other}")),
         None => in_words(error),

@@ -6,7 +6,7 @@ use egui::{Rect, pos2, vec2};
 
 use crate::defs::alarm;
 use crate::defs::param::AccessLevel;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::hmi::{Area, EditKey, GuardedQuestion, KeyboardFocus, Login, PageKey, Question, View, theme, widget};
 use crate::link::Command;
 use crate::link::page_command::{DataChoice, KeptState, PageCommand};
@@ -79,36 +79,33 @@ fn question(choice: &DataChoice) -> Question {
     match choice {
         DataChoice::Present => Question::new(
             Text::new("接受现在的数据？", "accept the data as they are?"),
-            LocalizedText::new(
+            phrase!(
                 "参数、刀补、修整点、坐标系、螺距补偿和变量可能是旧值或出厂值：已逐项核对，或从备份恢复了。",
                 "Parameters, offsets, dressing points, work offsets, leadscrew tables and variables may be old or factory \
-                 values: they have been checked one by one, or restored from a backup.",
+                 values: they have been checked one by one, or restored from a backup."
             ),
             ("accept-yes", Text::new("接受", "ACCEPT")),
         ),
         DataChoice::Kept(KeptState { time, .. }) => Question::new(
             Text::new("换成以前的数据？", "take earlier data?"),
-            LocalizedText::new(
-                format!(
-                    "下次启动用 {time} 的参数、刀补、修整点、坐标系、螺距补偿和变量。到那时为止改的值不再用。\
-                     启动后核对并接受。密码和报警记录保留。"
-                ),
-                format!(
-                    "At the next start parameters, offsets, dressing points, work offsets, leadscrew tables and \
+            phrase!(
+                "下次启动用 {time} 的参数、刀补、修整点、坐标系、螺距补偿和变量。到那时为止改的值不再用。\
+                     启动后核对并接受。密码和报警记录保留。",
+                "At the next start parameters, offsets, dressing points, work offsets, leadscrew tables and \
                      variables of {time} are used. What is changed until then is lost. Check and accept them then. \
-                     Passwords and the alarm history stay."
-                ),
+                     Passwords and the alarm history stay.",
+                time
             ),
             ("accept-yes", Text::new("更换", "REPLACE")),
         ),
         DataChoice::Factory => Question::new(
             Text::new("换成出厂值？", "take factory values?"),
-            LocalizedText::new(
+            phrase!(
                 "下次启动用出厂值：参数、刀补、修整点、坐标系、螺距补偿和变量都要重新设定。到那时为止改的值不再用。\
                  启动后核对并接受。密码和报警记录保留。",
                 "At the next start factory values are used: parameters, offsets, dressing points, work offsets, leadscrew \
                  tables and variables must be set again. What is changed until then is lost. Check and accept them then. \
-                 Passwords and the alarm history stay.",
+                 Passwords and the alarm history stay."
             ),
             ("accept-yes", Text::new("更换", "REPLACE")),
         ),

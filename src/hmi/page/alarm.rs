@@ -13,7 +13,7 @@ use super::variables::entry_page;
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::defs::alarm;
 use crate::defs::alarm_history::PastAlarm;
-use crate::defs::text::Lang;
+use crate::defs::text::{Lang, Text};
 use crate::hmi::{Area, EditKey, KeyboardInput, PageKey, View, file_command, format_date_time, theme, widget};
 use crate::link::Command;
 use crate::link::files::{FileRequest, Requester};
@@ -344,10 +344,9 @@ fn end_text(view: &View<'_>, past: &PastAlarm) -> String {
 
 /// The history as CSV: UTF-8 with byte order mark, so that spreadsheets detect the encoding.
 fn history_csv(lang: Lang, history: &[PastAlarm]) -> String {
-    let head = match lang {
-        Lang::Zh => "序号,报警号,出现,消除,方式,程序,行,内容",
-        Lang::En => "count,number,raised,cleared,how,program,line,text",
-    };
+    let head =
+        Text::new("序号,报警号,出现,消除,方式,程序,行,内容", "count,number,raised,cleared,how,program,line,text")
+            .get(lang);
     let mut text = format!("\u{FEFF}{head}\r\n");
     for past in history {
         let (how, when) = past.ended.map_or(("", None), |(how, when)| (how.name().get(lang), when));

@@ -16,7 +16,7 @@ use super::start_strip::{self, StartStrip};
 use super::{HandOver, PageContext, PageUi, empty, input_line};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
-use crate::defs::text::Lang;
+use crate::defs::text::phrase;
 use crate::hmi::variable_entry::{self, VariableEntry};
 use crate::hmi::{
     Area, EditKey, FieldEditor, KeycapState, ValueField, View, keycap, page_frame as lines, pictogram, theme, widget,
@@ -452,10 +452,9 @@ fn text_fault(places: &GrindingLayout, view: &View<'_>, fault: &FileFault) {
 fn no_page(rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     let number = view.snapshot.program.number;
     let name = view.snapshot.title(number);
-    let what = match (number, view.lang) {
-        (0, _) => view.text("没有装入程序", "no program is loaded").to_owned(),
-        (_, Lang::Zh) => format!("{name} 没有磨削页面"),
-        (_, Lang::En) => format!("{name} has no grinding page"),
+    let what = match number {
+        0 => view.text("没有装入程序", "no program is loaded").to_owned(),
+        _ => view.phrase(&phrase!("{name} 没有磨削页面", "{name} has no grinding page", name)),
     };
     let remedy = view.text(
         "磨削页面只用于 O1001–O1020，文字和图片在 screens 目录（C00nn.TXT、B00nn.BMP）。请在目录中装入其中一个程序。",

@@ -2,7 +2,7 @@
 
 use egui::{Id, Rect, Sense, Ui, vec2};
 
-use crate::hmi::{Area, View, theme, widget};
+use crate::hmi::{Area, View, swipe, theme, widget};
 
 /// Scroll position of a list.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,6 +56,9 @@ impl Scroll {
     /// Handles finger and mouse wheel; returns the lines to draw, first and one past the last.
     pub fn handle_input(&mut self, ui: &Ui, id: &str, rect: Rect, line: f32, count: usize) -> (usize, usize) {
         let response = ui.interact(rect, Id::unique(id), Sense::DRAG | Sense::HOVER);
+        if response.dragged() {
+            swipe::allow_over(ui.ctx(), response.id);
+        }
         let mut moved = -widget::drag_delta(&response).y;
         if response.hovered() {
             moved -= ui.input(|input| input.smooth_scroll_delta()).y;

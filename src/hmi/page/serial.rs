@@ -7,7 +7,7 @@ use egui::{Color32, Rect};
 use crate::defs::kind::Kind;
 use crate::defs::param;
 use crate::defs::program_number::{O_MAX_DIGITS, is_o_number};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::hmi::{Area, EditKey, KeyboardFocus, Login, PageKey, View, theme};
 use crate::link::Command;
 use crate::link::media::MediaView;
@@ -42,7 +42,7 @@ impl SerialPane {
                     self.number.push(*sign);
                 }
                 EditKey::Char(_) | EditKey::Sign => {
-                    self.refused = Some(LocalizedText::new("只能输入 1 到 8 位数字", "1 to 8 digits only"))
+                    self.refused = Some(phrase!("只能输入 1 到 8 位数字", "1 to 8 digits only"))
                 }
                 EditKey::Backspace | EditKey::Delete => {
                     self.refused = None;
@@ -73,7 +73,7 @@ impl SerialPane {
         match self.number.parse::<u32>() {
             Ok(number) if is_o_number(number) => Ok(Some(format!("O{number:04}.NC"))),
             Ok(_) | Err(_) => {
-                let message = LocalizedText::new("程序号为 1 到 8 位数字", "a program number has 1 to 8 digits");
+                let message = phrase!("程序号为 1 到 8 位数字", "a program number has 1 to 8 digits");
                 self.refused = Some(message.clone());
                 Err(message)
             }

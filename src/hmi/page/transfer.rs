@@ -8,7 +8,7 @@ use egui::{Rect, vec2};
 use super::serial::{SerialPane, change_port};
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::kind::Kind;
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text, phrase};
 use crate::hmi::{
     Area, KeyboardFocus, Login, PageKey, PageMessage, PendingRequests, Question, QuestionDialog, View, file_command,
     format_size, page_frame as lines, requests, round_to_lines, theme, widget,
@@ -178,16 +178,15 @@ impl TransferPage {
         let yes = ("question-overwrite", Text::new("覆盖", "OVERWRITE"));
         let skip = ("question-skip", Text::new("跳过", "SKIP"));
         if self.set == TransferSet::Backup {
-            let body = LocalizedText::new(
-                format!("{list}：程序、页面文件、参数、变量和刀补将被备份中的内容替换。"),
-                format!(
-                    "{list}: programs, page files, parameters, variables and offsets are replaced by those of the backup."
-                ),
+            let body = phrase!(
+                "{list}：程序、页面文件、参数、变量和刀补将被备份中的内容替换。",
+                "{list}: programs, page files, parameters, variables and offsets are replaced by those of the backup.",
+                list
             );
             return Question::new(Text::new("恢复备份？", "restore the backup?"), body, yes);
         }
         let title = Text::new("文件已存在且内容不同", "files exist with other contents");
-        let body = LocalizedText::new(format!("{list}{more}"), format!("{list}{more}"));
+        let body = LocalizedText::same(&format!("{list}{more}"));
         if self.set.file_set().has_file_list() {
             Question::with_keys(title, body, &[yes, skip])
         } else {
@@ -341,17 +340,17 @@ impl TransferPage {
     }
 }
 
-/// K5.12: names pictures in a wrong format with their faults, and offers to convert them.
 /// Question about files with several programs: divide, keep or cancel.
 fn split_question(files: &[String]) -> Question {
     let more = if files.len() > 3 { "\n…" } else { "" };
     let list = files.iter().take(3).cloned().collect::<Vec<_>>().join("\n");
-    let body = LocalizedText::new(format!("{list}{more}"), format!("{list}{more}"));
+    let body = LocalizedText::same(&format!("{list}{more}"));
     let divide = ("question-split", Text::new("每个程序一个文件", "ONE FILE EACH"));
     let keep = ("question-keep", Text::new("不分开", "KEEP TOGETHER"));
     Question::with_keys(Text::new("文件里有几个程序", "files with several programs"), body, &[divide, keep])
 }
 
+/// K5.12: names pictures in a wrong format with their faults, and offers to convert them.
 fn conversion_question(faults: &[LocalizedText]) -> Question {
     let list = |zh: bool| {
         let lines = faults.iter().take(3).map(|message| if zh { message.zh() } else { message.en() });
@@ -366,7 +365,7 @@ fn conversion_question(faults: &[LocalizedText]) -> Question {
     Question::new(title, LocalizedText::new(list(true), list(false)), key)
 }
 
-const fn set_description(set: TransferSet, view: &View<'_>) -> &'static str {
+fn set_description(set: TransferSet, view: &View<'_>) -> &'static str {
     match set {
         TransferSet::Params => view.text(
             "全部参数写到 KT830-PARAM.RON，或从该文件读入。读入需要机床厂密码；文件中任何一个值不允许则全部不读入。",

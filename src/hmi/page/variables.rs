@@ -273,7 +273,7 @@ pub fn variable_label<'a>(view: &View<'a>, variable: u16) -> &'a str {
 }
 
 /// Names of the variables that the control sets (K4.3, K4.5).
-const fn read_only_name<'a>(view: &View<'a>, variable: u16) -> &'a str {
+fn read_only_name<'a>(view: &View<'a>, variable: u16) -> &'a str {
     match variable {
         434 => view.text("量仪 X", "gauge X"),
         435 => view.text("量仪快速 Z", "gauge fast Z"),

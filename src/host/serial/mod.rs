@@ -8,7 +8,7 @@ pub mod port;
 pub mod transfer;
 
 use crate::defs::alarm;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::link::files::Refusal;
 
 /// Maximum size of a transmission, bytes: 25 minutes at 115 200 baud.
@@ -69,16 +69,16 @@ impl SerialError {
             | Self::Disconnected(message)
             | Self::NotStored(message)
             | Self::NotSendable(message) => message.clone(),
-            Self::NoData(None) => LocalizedText::new("没有收到程序开头的 %", "no % of a program was received"),
+            Self::NoData(None) => phrase!("没有收到程序开头的 %", "no % of a program was received"),
             Self::NoData(Some(line)) => {
-                LocalizedText::new(format!("在第 {line} 行中断"), format!("interrupted at line {line}"))
+                phrase!("在第 {line} 行中断", "interrupted at line {line}", line = *line)
             }
-            Self::Noise(0) => LocalizedText::new("程序开头之前", "before the program"),
-            Self::Noise(line) => LocalizedText::new(format!("第 {line} 行"), format!("line {line}")),
-            Self::TooLong(most) => LocalizedText::new(format!("超过 {most} 字节"), format!("more than {most} bytes")),
-            Self::NotAccepted => LocalizedText::new("发送没有完成", "the program was not sent completely"),
-            Self::Parity => LocalizedText::new("没有保存", "nothing was stored"),
-            Self::Cancelled => LocalizedText::new("已取消", "cancelled"),
+            Self::Noise(0) => phrase!("程序开头之前", "before the program"),
+            Self::Noise(line) => phrase!("第 {line} 行", "line {line}", line = *line),
+            Self::TooLong(most) => phrase!("超过 {most} 字节", "more than {most} bytes", most = *most),
+            Self::NotAccepted => phrase!("发送没有完成", "the program was not sent completely"),
+            Self::Parity => phrase!("没有保存", "nothing was stored"),
+            Self::Cancelled => phrase!("已取消", "cancelled"),
         }
     }
 }

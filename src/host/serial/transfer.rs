@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::SerialError;
 use super::format::{SerialProgram, encode_transmission};
 use super::port::{SerialLine, SerialWait};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::host::job_answer::{JobResult, Tell, done, refusal};
 use crate::link::files::{FileAnswer, Refusal};
 use crate::link::media::{Direction, TransferRequest};
@@ -118,6 +118,6 @@ impl SerialTransfer<'_> {
         if stamp(&back.bytes) == stamp(&sheet.text) {
             return Ok(name);
         }
-        Err(failed(LocalizedText::new(format!("{name} 校验不符"), format!("{name} failed verification"))))
+        Err(failed(phrase!("{name} 校验不符", "{name} failed verification", name)))
     }
 }

@@ -11,7 +11,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 use super::{Arrival, RetainedWorker, Storage, StorageWorker};
 use crate::controller::StorageRequest;
 use crate::controller::files::BackgroundJob;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::host::clock;
 use crate::host::job_answer::ChangedFolders;
 use crate::host::job_runner::JobRunner;
@@ -169,7 +169,7 @@ impl JobQueues {
         let (ticket, queue) = (job.ticket, if serial { &self.line } else { &self.general });
         let taken = queue.as_ref().is_some_and(|queue| queue.try_send(*job).is_ok());
         (!taken && !asked_again).then(|| {
-            let busy = LocalizedText::new("上一项工作未完成，请稍候", "the previous job is not finished: wait");
+            let busy = phrase!("上一项工作未完成，请稍候", "the previous job is not finished: wait");
             refused(ticket, busy)
         })
     }
@@ -186,9 +186,9 @@ fn run_guarded(job: &BackgroundJob, arrived: &mut dyn FnMut(Arrival), run: impl 
     if catch_unwind(AssertUnwindSafe(|| run(arrived))).is_ok() {
         return;
     }
-    let failed = LocalizedText::new(
+    let failed = phrase!(
         "内部错误：该工作没有完成，请重试；再次出现时请重新启动并报告",
-        "internal error: the job was not completed; try again, and if it returns, restart and report it",
+        "internal error: the job was not completed; try again, and if it returns, restart and report it"
     );
     arrived(refused(job.ticket, failed));
 }

@@ -2,6 +2,13 @@
 
 /// The tokens of a text: words, `::`, `->`, `=>` and single signs. Comments, literals and lifetimes are left out.
 pub fn tokens(text: &str) -> Vec<&str> {
+    let mut found = with_strings(text);
+    found.retain(|token| !token.starts_with('"'));
+    found
+}
+
+/// The tokens of a text with its plain strings.
+pub fn with_strings(text: &str) -> Vec<&str> {
     let bytes = text.as_bytes();
     let word =
         |at: usize| bytes.get(at).is_some_and(|byte| byte.is_ascii_alphanumeric() || *byte == b'_' || *byte >= 128);
@@ -18,6 +25,7 @@ pub fn tokens(text: &str) -> Vec<&str> {
             at += length;
         } else if rest.starts_with('"') || rest.starts_with("b\"") {
             at += quoted(rest, b'"');
+            found.extend(rest.starts_with('"').then(|| &text[start..at]));
         } else if let Some(inside) = rest.strip_prefix('\'') {
             // A character, else a lifetime: `'a'`, `'\n'`, `'值'`; `'a`.
             let character = inside.starts_with('\\') || inside.chars().nth(1) == Some('\'');

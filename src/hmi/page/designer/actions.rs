@@ -6,7 +6,7 @@ use egui::Rect;
 use super::{DesignerPage, DesignerQuestion, DesignerTab};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, VariableUse};
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text, phrase};
 use crate::defs::variable_name;
 use crate::hmi::page::program::actions::{EDIT_FIRST, NOTHING_TO_SAVE};
 use crate::hmi::widget::{self, page_keys};
@@ -155,8 +155,8 @@ impl DesignerPage {
             (None, Some((line, column))) if self.reading.entry_positions.len() < 2 * COLUMN_ROWS => {
                 Ok((line, column, format!("{label} {name};\n")))
             }
-            (None, Some(_)) => Err(LocalizedText::new("页面已满：左右各十项", "the page is full: ten in each column")),
-            (None, None) => Err(LocalizedText::new("先改正错误：缺少 %", "correct the errors first: the % is missing")),
+            (None, Some(_)) => Err(phrase!("页面已满：左右各十项", "the page is full: ten in each column")),
+            (None, None) => Err(phrase!("先改正错误：缺少 %", "correct the errors first: the % is missing")),
         };
         match at {
             Ok((line, column, text)) => {

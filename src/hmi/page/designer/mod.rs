@@ -264,7 +264,10 @@ impl DesignerPage {
         if self.document.changed {
             return self.message.refuse(SAVE_FIRST);
         }
-        self.lang = if self.lang == Lang::Zh { Lang::En } else { Lang::Zh };
+        self.lang = match self.lang {
+            Lang::Zh => Lang::En,
+            Lang::En | Lang::Added(_) => Lang::Zh,
+        };
         self.stale = true;
     }
 

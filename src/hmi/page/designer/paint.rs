@@ -7,7 +7,7 @@ use super::actions::VariableRow;
 use super::{DesignerPage, DesignerQuestion};
 use crate::defs::page::Page;
 use crate::defs::page_text::PageTextFault;
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::hmi::page::program::actions::EDIT_FIRST;
 use crate::hmi::page::program::listing::{self, LineMarks};
 use crate::hmi::page::{ScrollList, VisibleRows, empty, grinding};
@@ -179,10 +179,8 @@ impl DesignerPage {
             return self.message.refuse(EDIT_FIRST);
         }
         let name = &chosen.name;
-        let body = LocalizedText::new(
-            format!("B{number:04}.BMP 将换成 {name}。"),
-            format!("B{number:04}.BMP will be replaced by {name}."),
-        );
+        let body =
+            phrase!("B{number:04}.BMP 将换成 {name}。", "B{number:04}.BMP will be replaced by {name}.", number, name);
         let key = ("question-picture", Text::new("换用", "USE"));
         let question = Question::new(Text::new("换图片？", "use this picture?"), body, key);
         self.question.ask(DesignerQuestion::Picture(chosen.location, name.clone()), question);
@@ -234,10 +232,13 @@ impl DesignerPage {
 fn fault_text(view: &View<'_>, fault: &PageTextFault) -> String {
     let cause = fault.message.get(view.lang);
     let (line, column) = (fault.line, fault.column);
-    match view.lang {
-        Lang::Zh => format!("第{line}行 第{column}列：{cause}"),
-        Lang::En => format!("line {line}, column {column}: {cause}"),
-    }
+    view.phrase(&phrase!(
+        "第{line}行 第{column}列：{cause}",
+        "line {line}, column {column}: {cause}",
+        line,
+        column,
+        cause
+    ))
 }
 
 impl DesignerPage {

@@ -11,7 +11,7 @@ use egui::Rect;
 use crate::defs::fitted::Fitted;
 use crate::defs::param::Params;
 use crate::defs::signal::{Input, Output};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::hmi::page::{Scroll, ScrollList};
 use crate::hmi::{Area, EditKey, KeyboardInput, PageKey, Question, QuestionDialog, View, file_command, theme, widget};
 use crate::link::files::{FileRequest, Requester};
@@ -255,9 +255,9 @@ impl Checklist {
 }
 
 fn restart_question() -> Question {
-    let body = LocalizedText::new(
+    let body = phrase!(
         "已见和已确认的全部清除；需要时先存为 CSV。",
-        "What was seen and confirmed is cleared; SAVE CSV first if needed.",
+        "What was seen and confirmed is cleared; SAVE CSV first if needed."
     );
     Question::new(
         Text::new("重新核对？", "start the check again?"),

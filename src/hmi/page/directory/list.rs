@@ -8,7 +8,7 @@ use egui::accesskit::Role;
 use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 
 use crate::defs::kind::Kind;
-use crate::defs::text::Lang;
+use crate::defs::text::{Lang, phrase};
 use crate::hmi::page::{Scroll, ScrollList, empty};
 use crate::hmi::{
     Area, EditKey, KeycapState, PageMessage, Search, SearchTouch, View, format_size, keycap, pictogram, round_to_lines,
@@ -217,10 +217,7 @@ fn paint_row(view: &View<'_>, place: Rect, row: &DirectoryRow, look: &RowLook) -
 /// The kinds of machine that a program is for.
 fn kind_mark(view: &View<'_>, kinds: &[Kind]) -> String {
     let names: Vec<_> = kinds.iter().map(|kind| kind.short_name()).collect();
-    match view.lang {
-        Lang::Zh => format!("{} 的程序", names.join(" ")),
-        Lang::En => format!("for {}", names.join(" ")),
-    }
+    view.phrase(&phrase!("{kinds} 的程序", "for {kinds}", kinds = names.join(" ")))
 }
 
 fn shown_comment(view: &View<'_>, row: &DirectoryRow) -> String {

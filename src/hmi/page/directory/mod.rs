@@ -9,7 +9,7 @@ use egui::Rect;
 use super::{HandOver, InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text, phrase};
 use crate::defs::{param, program_number};
 use crate::hmi::widget::page_keys;
 use crate::hmi::{
@@ -240,7 +240,7 @@ impl DirectoryPage {
                 self.send(out);
             }
             Ok(_) | Err(_) => {
-                let message = LocalizedText::new("程序号为 1 到 8 位数字", "a program number has 1 to 8 digits");
+                let message = phrase!("程序号为 1 到 8 位数字", "a program number has 1 to 8 digits");
                 self.typing.refused = Some(message);
             }
         }

@@ -13,7 +13,7 @@ use super::position::{self, PositionGroup};
 use super::start_strip::{self, StartStrip};
 use super::{HandOver, PageContext, PageUi, empty, input_line};
 use crate::defs::param;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::hmi::{Area, FieldEditor, KeyboardInput, PageKey, Question, QuestionDialog, View, scene, theme, widget};
 use crate::link::edit::OffsetPart;
 use crate::link::screens::Picture;
@@ -199,11 +199,11 @@ fn positions(rect: Rect, view: &View<'_>, tab: DressingTab) {
 
 /// The question says where the point will be.
 fn take_question(axis: Axis, at: &str) -> Question {
-    let body = LocalizedText::new(
-        format!("{axis} 轴修整点设为现在的机床坐标 {at}。修整程序从这里开始：砂轮须刚好接触金刚石。"),
-        format!(
-            "The dressing point of {axis} becomes the present machine coordinate {at}. Dressing begins there: the wheel must just touch the diamond."
-        ),
+    let body = phrase!(
+        "{axis} 轴修整点设为现在的机床坐标 {at}。修整程序从这里开始：砂轮须刚好接触金刚石。",
+        "The dressing point of {axis} becomes the present machine coordinate {at}. Dressing begins there: the wheel must just touch the diamond.",
+        axis,
+        at
     );
     let key = ("question-take-point", Text::new("设置", "SET"));
     Question::new(Text::new("在此处设置修整点？", "set the dressing point here?"), body, key)
@@ -211,9 +211,9 @@ fn take_question(axis: Axis, at: &str) -> Question {
 
 /// The question says what the dressing programs use then.
 fn clear_question() -> Question {
-    let body = LocalizedText::new(
+    let body = phrase!(
         "修整程序改用其页面上的数值；没有数值时报警，不会移动。",
-        "The dressing programs use the values of their pages then; without a value they stop with an alarm before they move.",
+        "The dressing programs use the values of their pages then; without a value they stop with an alarm before they move."
     );
     let key = ("question-clear-points", Text::new("清除", "CLEAR"));
     Question::new(Text::new("清除按键设置的修整点？", "clear the dressing points set by key?"), body, key)

@@ -6,7 +6,7 @@ use egui::Rect;
 use crate::defs::page_meaning::PageMeaning;
 use crate::defs::page_text::{PageText, PageTextRow};
 use crate::defs::param;
-use crate::defs::text::Lang;
+use crate::defs::text::phrase;
 use crate::hmi::{View, theme};
 use crate::link::Snapshot;
 use crate::units::Axis;
@@ -84,10 +84,13 @@ impl ActingPoint {
             }
             PointSource::Value { dressed } if dressed.abs() > 0.0 => {
                 let off = view.length(dressed);
-                Some(match view.lang {
-                    Lang::Zh => format!("新砂轮的值，已修整 {off} → {axis} {point}"),
-                    Lang::En => format!("value of a new wheel, {off} dressed off → {axis} {point}"),
-                })
+                Some(view.phrase(&phrase!(
+                    "新砂轮的值，已修整 {off} → {axis} {point}",
+                    "value of a new wheel, {off} dressed off → {axis} {point}",
+                    off,
+                    axis,
+                    point
+                )))
             }
             PointSource::Value { .. } => None,
         }

@@ -1,6 +1,8 @@
 //! The help entries: one per page, soft key, panel key, alarm, G and M code and parameter, each from its table row.
 //! Source: spec B6, K2.4, B8; the tables in `defs`.
 
+use std::sync::Arc;
+
 use super::keyboard_map;
 use crate::defs::alarm::{self, ALARMS};
 use crate::defs::availability;
@@ -15,7 +17,8 @@ use crate::defs::param::ParamAddress;
 use crate::defs::param_row::{self, ParamRow};
 use crate::defs::program_error::ProgramError;
 use crate::defs::soft_key::{self, SoftKeyAction};
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::arg::Arg;
+use crate::defs::text::{Lang, LocalizedText, Template, Text, Words, phrase};
 use crate::hmi::keyboard::SHORTCUTS;
 use crate::hmi::widget::page_keys;
 use crate::link::Snapshot;
@@ -225,7 +228,7 @@ fn param_entry(row: &ParamRow) -> HelpEntry {
     let sign = row.address.to_string();
     let unit = if row.unit.is_empty() { String::new() } else { format!(" {}", row.unit) };
     let factory = format!("{}{unit}", row.factory);
-    let where_ = LocalizedText::new(format!("参数页，查找 {sign}"), format!("page parameters, search {sign}"));
+    let where_ = phrase!("参数页，查找 {sign}", "page parameters, search {sign}", sign = &sign);
     let parts = vec![
         (PURPOSE, row.name.clone()),
         (Text::new("范围", "range"), row.range()),
@@ -238,25 +241,38 @@ fn param_entry(row: &ParamRow) -> HelpEntry {
 
 fn page_entry(page: Page, kind: Kind) -> HelpEntry {
     let keys: Vec<Text> = soft_key::row(kind, page.soft_row()).map(|soft| soft.label).collect();
-    let list = |text: fn(&Text) -> &'static str| {
-        let words = keys.iter().enumerate().map(|(index, label)| format!("F{} {}", index + 1, text(label)));
-        words.collect::<Vec<_>>().join(" · ")
-    };
-    let words = LocalizedText::new(list(|text| text.zh), list(|text| text.en));
-    let keys = (Text::new("打开时的软键", "its soft keys"), words);
+    let keys = (Text::new("打开时的软键", "its soft keys"), in_a_row(&keys));
     let parts = vec![(PURPOSE, page.help().into()), (USAGE, page.usage().into()), keys];
     let id = format!("page-{}", page.id());
     HelpEntry::new(HelpTopic::Page(page), id, String::new(), page.title_on(kind).into(), parts)
+}
+
+/// The soft keys of a row: `F1 参数 · F2 诊断`.
+fn in_a_row(keys: &[Text]) -> LocalizedText {
+    static ROWS: [Template; 5] = [
+        Template::new("F1 {a}", "F1 {a}", &["a"]),
+        Template::new("F1 {a} · F2 {b}", "F1 {a} · F2 {b}", &["a", "b"]),
+        Template::new("F1 {a} · F2 {b} · F3 {c}", "F1 {a} · F2 {b} · F3 {c}", &["a", "b", "c"]),
+        Template::new("F1 {a} · F2 {b} · F3 {c} · F4 {d}", "F1 {a} · F2 {b} · F3 {c} · F4 {d}", &["a", "b", "c", "d"]),
+        Template::new(
+            "F1 {a} · F2 {b} · F3 {c} · F4 {d} · F5 {e}",
+            "F1 {a} · F2 {b} · F3 {c} · F4 {d} · F5 {e}",
+            &["a", "b", "c", "d", "e"],
+        ),
+    ];
+    let Some(template) = keys.len().checked_sub(1).and_then(|last| ROWS.get(last)) else {
+        return LocalizedText::default();
+    };
+    let mut args = [const { Arg::None }; 5];
+    args.iter_mut().zip(keys).for_each(|(arg, key)| *arg = Arg::Words(Arc::new(Words::new(key.zh, key.en))));
+    LocalizedText::phrase(template, args)
 }
 
 fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
     for row in 0..soft_key::ROWS {
         for (index, soft) in soft_key::row(kind, row).enumerate() {
             let (row, key) = (row + 1, index + 1);
-            let place = LocalizedText::new(
-                format!("第 {row} 行 F{key}，◀ ▶ 换行"),
-                format!("row {row} F{key}; ◀ ▶ turn the rows"),
-            );
+            let place = phrase!("第 {row} 行 F{key}，◀ ▶ 换行", "row {row} F{key}; ◀ ▶ turn the rows", row, key);
             let parts = vec![(PURPOSE, soft.action.help().into()), (Text::new("位置", "where"), place)];
             let (id, sign) = (format!("soft-{row}-{key}"), format!("{row}·F{key}"));
             all.push(HelpEntry::new(HelpTopic::SoftKey(soft.action), id, sign, soft.label.into(), parts));

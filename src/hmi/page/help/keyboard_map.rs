@@ -9,10 +9,11 @@ use crate::hmi::keyboard::{SHORTCUTS, Shortcut};
 use crate::hmi::{Area, View, theme};
 
 /// Keys of the screen that are not panel keys.
-const SCREEN: [(&str, Text); 12] = [
+const SCREEN: [(&str, Text); 13] = [
     ("F1–F5", Text::new("软键", "soft keys")),
     ("F6", Text::new("软键下一行 ▶", "next row ▶")),
     ("Shift+F6", Text::new("软键上一行 ◀", "previous row ◀")),
+    ("Ctrl+F6", Text::new("全部页面", "all pages")),
     ("F7", Text::new("报警", "alarms")),
     ("F12", Text::new("帮助 ?", "help ?")),
     ("Enter", Text::new("输入", "input")),

@@ -14,13 +14,14 @@ use egui::{Color32, Rect};
 use super::{HandOver, InputPrompt, PageContext, PageUi, Scroll, ScrollList, input_line};
 use crate::defs::part_record::PartRecord;
 use crate::defs::production_order::{OrderState, ProductionOrder};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::hmi::widget::page_keys;
 use crate::hmi::{
     Area, CoreAnswer, EditKey, FieldEditor, KeyboardFocus, PageKey, Question, QuestionDialog, View, file_command,
     theme, widget,
 };
 use crate::link::files::{FileRequest, Requester};
+use crate::link::page_command::PageCommand;
 use crate::link::production::{OrderCommand, OrderProposal};
 use crate::link::{Command, Snapshot};
 use order_form::{FIELDS, OrderEntry};
@@ -170,8 +171,13 @@ impl JobsPage {
     /// The day of the machine and its keys.
     fn shifts(&mut self, rect: Rect, view: &View<'_>, (back, edits): (u64, &[EditKey]), out: &mut Vec<Command>) {
         let (body, keys) = rect.trim_top(theme::GAP).split_bottom(widget::KEYS_HEIGHT);
-        shifts::ui(body.trim_bottom(theme::GAP), view, shifts::day_of(view.snapshot, back));
         self.walk.begin_frame(edits);
+        let touched =
+            shifts::ui(body.trim_bottom(theme::GAP), view, shifts::day_of(view.snapshot, back), &mut self.walk);
+        out.extend(touched.map(|reason| {
+            let given = Some(reason).filter(|reason| view.snapshot.production.stop_reason != Some(*reason));
+            Command::Page(PageCommand::ExplainStop(given))
+        }));
         let words = [DayKey::Before, DayKey::After, DayKey::Save];
         let words = words.map(|key| PageKey::new(key.id(), key.label().get(view.lang)));
         match self.walk.keys(view, keys, &words) {
@@ -359,10 +365,13 @@ const fn state_ink(view: &View<'_>, order: &ProductionOrder) -> Color32 {
 }
 
 fn delete_question(order: &ProductionOrder) -> Question {
-    let ProductionOrder { number, good, bad, .. } = order;
-    let body = LocalizedText::new(
-        format!("订单 {number}：合格 {good} 件，不良 {bad} 件。删除后不再有它的报告；需要时先存报告。"),
-        format!("Order {number}: {good} good parts, {bad} bad. Its report is gone then; save it first if needed."),
+    let &ProductionOrder { number, good, bad, .. } = order;
+    let body = phrase!(
+        "订单 {number}：合格 {good} 件，不良 {bad} 件。删除后不再有它的报告；需要时先存报告。",
+        "Order {number}: {good} good parts, {bad} bad. Its report is gone then; save it first if needed.",
+        number,
+        good,
+        bad
     );
     Question::new(Text::new("删除订单？", "delete the order?"), body, ("question-delete", Text::new("删除", "DELETE")))
 }

@@ -102,7 +102,8 @@ mod tests {
     }
 
     /// Eight hours on, six of them running.
-    const SUM: HourRecord = HourRecord { hour: 100, seconds: [21_600, 3_600, 0, 3_600], good: 10, bad: 1 };
+    const SUM: HourRecord =
+        HourRecord { hour: 100, seconds: [21_600, 3_600, 0, 3_600], explained: [0; 6], good: 10, bad: 1 };
 
     fn close(found: Option<f64>, wanted: f64) -> bool {
         found.is_some_and(|found| (found - wanted).abs() < 1e-9)

@@ -6,7 +6,7 @@ use egui::{Rect, vec2};
 
 use super::{figures, order_values, parts_of};
 use crate::defs::production_order::{ORDER_NUMBERS, ORDER_TARGETS, ProductionOrder};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::hmi::{Area, FieldEditor, ValueField, View, keycap, theme};
 use crate::link::Snapshot;
 use crate::link::production::{OrderCommand, OrderProposal};
@@ -67,8 +67,8 @@ impl OrderEntry {
     pub fn take(&mut self, field: usize, text: &str, snapshot: &Snapshot) -> Result<(), LocalizedText> {
         let range = &FIELDS[field].range;
         let value = text.parse::<u32>().ok().filter(|value| range.contains(value)).ok_or_else(|| {
-            let (least, most) = (range.start(), range.end());
-            LocalizedText::new(format!("应为 {least}–{most}"), format!("must be {least} to {most}"))
+            let (least, most) = (*range.start(), *range.end());
+            phrase!("应为 {least}–{most}", "must be {least} to {most}", least, most)
         })?;
         if field == NUMBER {
             self.choose(snapshot.production.order(value));

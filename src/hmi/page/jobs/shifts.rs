@@ -10,8 +10,9 @@ use crate::defs::alarm_history::PastAlarm;
 use crate::defs::date::DateTime;
 use crate::defs::hour_record::{HourRecord, MachineUse};
 use crate::defs::param;
+use crate::defs::stop_reason::StopReason;
 use crate::defs::text::LocalizedText;
-use crate::hmi::{Area, View, theme, widget};
+use crate::hmi::{Area, KeyboardFocus, PageKey, View, theme, widget};
 use crate::link::Snapshot;
 
 /// Hours, and seconds of a day and of an hour.
@@ -84,15 +85,15 @@ fn sum(hours: &[HourRecord]) -> HourRecord {
     })
 }
 
-/// Draws a day.
-pub fn ui(rect: Rect, view: &View<'_>, day: Option<u64>) {
+/// Draws a day; returns the reason for a stop that is touched.
+pub fn ui(rect: Rect, view: &View<'_>, day: Option<u64>, walk: &mut KeyboardFocus) -> Option<StopReason> {
     let Some(day) = day else {
         let words = view.text(
             "还没有记录：控制系统知道日期后，按小时记录运行、等待、报警和件数。",
             "Nothing is recorded yet: once the control knows the date it records running, waiting, alarms and parts by the hour.",
         );
         view.paragraph(rect.shrink(theme::PAD), words, theme::LABEL, view.theme.muted);
-        return;
+        return None;
     };
     let (chart, below) = rect.split_top(rect.height() * CHART_SHARE);
     day_chart(chart.trim_bottom(theme::GAP), view, day);
@@ -100,7 +101,37 @@ pub fn ui(rect: Rect, view: &View<'_>, day: Option<u64>) {
     let lines = shifts_of(view.snapshot, day).len() + 2;
     let (table, reasons) = below.split_top(lines as f32 * LINE_HEIGHT + 3.0 * theme::GAP);
     shift_table(table.trim_bottom(theme::GAP), view, day);
-    show_reasons(reasons, view, day);
+    let (alarms, stops) = reasons.split_left_right_at_fraction(0.5);
+    show_reasons(alarms.trim_right(theme::GAP / 2.0), view, day);
+    stop_reasons(stops.trim_left(theme::GAP / 2.0), view, day, walk)
+}
+
+/// The reasons that the operator gives, each a key with its time of the day; returns the one that is touched.
+fn stop_reasons(rect: Rect, view: &View<'_>, day: u64, walk: &mut KeyboardFocus) -> Option<StopReason> {
+    view.card(rect);
+    let inside = rect.shrink2(egui::vec2(theme::PAD, theme::GAP));
+    let (head, keys) = inside.split_top(LINE_HEIGHT);
+    let sum = sum(&hours_of(view.snapshot, day));
+    let minutes = |seconds: u32| (seconds + 30) / 60;
+    let open = view.text("停机没有原因", "stops without a reason");
+    let words = format!("{open}: {} min", minutes(sum.seconds_unexplained()));
+    view.fit_left(head, &words, theme::SMALL, view.theme.muted);
+    view.hairline(head, head.max.y - 0.5);
+    let mut touched = None;
+    let height = keys.height() / 2.0;
+    for (index, reason) in StopReason::ALL.into_iter().enumerate() {
+        let line = keys.band((index / 3) as f32 * height, height).trim_top(theme::GAP);
+        let (name, label) = (format!("stop-{}", reason.id()), reason.name().get(view.lang));
+        let label = match minutes(sum.explained[reason as usize]) {
+            0 => label.to_owned(),
+            time => format!("{label}  {time} min"),
+        };
+        let key = PageKey::new(&name, &label).on(view.snapshot.production.stop_reason == Some(reason));
+        if walk.button(view, line.cell(index % 3, 3), key) {
+            touched = Some(reason);
+        }
+    }
+    touched
 }
 
 const fn ink(view: &View<'_>, of: MachineUse) -> egui::Color32 {
@@ -255,10 +286,12 @@ fn show_reasons(rect: Rect, view: &View<'_>, day: u64) {
 
 /// All hours that are kept, as CSV.
 pub fn csv(snapshot: &Snapshot) -> String {
-    let mut text = String::from("hour,running_s,waiting_s,alarm_s,idle_s,good,bad\r\n");
+    let reasons: Vec<String> = StopReason::ALL.iter().map(|reason| format!("{}_s", reason.id())).collect();
+    let mut text = format!("hour,running_s,waiting_s,alarm_s,idle_s,good,bad,{}\r\n", reasons.join(","));
+    let joined = |all: &[u32]| all.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
     for record in snapshot.production.hours.iter() {
-        let seconds: Vec<String> = record.seconds.iter().map(ToString::to_string).collect();
-        text += &format!("{},{},{},{}\r\n", record.began(), seconds.join(","), record.good, record.bad);
+        let (seconds, explained) = (joined(&record.seconds), joined(&record.explained));
+        text += &format!("{},{seconds},{},{},{explained}\r\n", record.began(), record.good, record.bad);
     }
     text
 }

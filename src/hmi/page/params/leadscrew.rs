@@ -7,7 +7,7 @@ use egui::{Align2, Color32, Rect, Shape, Stroke, pos2, vec2};
 
 use crate::defs::leadscrew::{LeadscrewCompensation, LeadscrewPoint, MAX_POINTS};
 use crate::defs::param::AccessLevel;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
 use crate::hmi::{
     Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, Login, PageKey, PageMessage, PendingRequests, Question,
@@ -235,7 +235,7 @@ impl LeadscrewTab {
     fn add_point(&mut self, ctx: &mut TabContext<'_>) {
         let mut points = ctx.table.points().to_vec();
         if points.len() >= MAX_POINTS {
-            let message = LocalizedText::new(format!("最多 {MAX_POINTS} 点"), format!("at most {MAX_POINTS} points"));
+            let message = phrase!("最多 {most} 点", "at most {most} points", most = MAX_POINTS);
             return self.message.refuse(message);
         }
         let position_mm = match (points.get(self.row), points.get(self.row + 1)) {
@@ -383,9 +383,11 @@ impl LeadscrewTab {
 
 fn clear_question(axis: Axis, table: &LeadscrewCompensation) -> Question {
     let points = table.points().len();
-    let body = LocalizedText::new(
-        format!("{axis} 轴的 {points} 个补偿点全部删除，可先导出。"),
-        format!("All {points} points of axis {axis} will be deleted; export them first if needed."),
+    let body = phrase!(
+        "{axis} 轴的 {points} 个补偿点全部删除，可先导出。",
+        "All {points} points of axis {axis} will be deleted; export them first if needed.",
+        axis,
+        points
     );
     Question::new(Text::new("清空补偿表？", "clear the table?"), body, ("question-clear", Text::new("清空", "CLEAR")))
 }

@@ -10,7 +10,7 @@ use egui::{Rect, vec2};
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::param::AccessLevel;
 use crate::defs::param_row::{ParamRow, ParamType};
-use crate::defs::text::{Lang, LocalizedText};
+use crate::defs::text::{Lang, LocalizedText, phrase};
 use crate::hmi::{
     CoreAnswer, EditKey, FieldEditor, KeyboardInput, LetterKey, Login, Search, SearchTouch, View, letter_pad,
     parse_number, theme, widget,
@@ -283,11 +283,11 @@ pub fn parse_value(row: &ParamRow, text: &str) -> Result<f64, LocalizedText> {
     let value = parse_number(text)?;
     let whole = !matches!(row.param_type, ParamType::Number);
     if whole && value.fract().abs() > 0.0 {
-        return Err(LocalizedText::new("只能输入整数", "whole numbers only"));
+        return Err(phrase!("只能输入整数", "whole numbers only"));
     }
     if !(row.min..=row.max).contains(&value) {
         return Err(match row.param_type {
-            ParamType::Bit => LocalizedText::new("只能输入 0 或 1", "only 0 or 1"),
+            ParamType::Bit => phrase!("只能输入 0 或 1", "only 0 or 1"),
             ParamType::Number | ParamType::Input(_) | ParamType::Output(_) => LocalizedText::new(
                 format!("超出范围 {} … {}", row.min, row.max),
                 format!("out of range {} … {}", row.min, row.max),

@@ -14,7 +14,7 @@ use super::{PageContext, PageUi};
 use crate::defs::param;
 use crate::defs::part_record::PartRecord;
 use crate::defs::signal::Input;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::hmi::{Area, KeyboardFocus, PageKey, Question, QuestionDialog, View, file_command, theme, widget};
 use crate::link::files::{FileRequest, Requester};
 use crate::link::{Command, Snapshot};
@@ -300,11 +300,11 @@ impl ProcessPage {
         let ends = self.samples.front().zip(self.samples.back());
         let seconds = ends.map_or(0.0, |(first, last)| last.at.since(first.at).as_secs_f64());
         let parts = self.parts(snapshot).count();
-        let body = LocalizedText::new(
-            format!("{seconds:.0} 秒的曲线将丢失；需要时先存为 CSV。{parts} 个工件的尺寸在下次开机前不再显示在这里。"),
-            format!(
-                "{seconds:.0} s of curves will be lost; SAVE CSV first if needed. The sizes of {parts} parts leave this page until the next power-on."
-            ),
+        let body = phrase!(
+            "{seconds:.0} 秒的曲线将丢失；需要时先存为 CSV。{parts} 个工件的尺寸在下次开机前不再显示在这里。",
+            "{seconds:.0} s of curves will be lost; SAVE CSV first if needed. The sizes of {parts} parts leave this page until the next power-on.",
+            seconds,
+            parts
         );
         let key = ("question-clear", Text::new("清除", "CLEAR"));
         Question::new(Text::new("清除过程数据？", "clear the recorded data?"), body, key)

@@ -8,7 +8,7 @@ use super::text_task::{TaskStep, TextTask};
 use super::{EditorQuestion, EditorRequest, ProgramPage, Prompt};
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::hmi::widget::{self, page_keys};
 use crate::hmi::{Area, EditKey, Login, PageKey, View, requests};
 use crate::link::Command;
@@ -175,7 +175,7 @@ impl ProgramPage {
         if let Ok(line) = text.parse::<usize>() {
             if line == 0 || line > self.document.lines() {
                 let last = self.document.lines();
-                let why = LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}"));
+                let why = phrase!("行号为 1-{last}", "lines are 1 to {last}", last);
                 return self.message.refuse(why);
             }
             self.document.move_to(line - 1, 0);
@@ -205,7 +205,7 @@ impl ProgramPage {
                 self.message.clear();
                 if self.replacing {
                     let (with, what) = (&self.prompt_text, &self.pattern);
-                    self.message.tell(LocalizedText::new(format!("{what} → {with} ？"), format!("{what} → {with} ?")));
+                    self.message.tell(phrase!("{what} → {with} ？", "{what} → {with} ?", what, with));
                 }
                 self.position.first_column = 0;
                 self.reveal_cursor();
@@ -213,12 +213,12 @@ impl ProgramPage {
             TaskStep::NotFound => {
                 self.replacing = false;
                 let what = &self.pattern;
-                self.message.refuse(LocalizedText::new(format!("没有找到 {what}"), format!("{what} not found")));
+                self.message.refuse(phrase!("没有找到 {what}", "{what} not found", what));
             }
             TaskStep::Changed(rope, count) => {
                 self.document.replace_all(rope);
                 self.replacing = false;
-                self.message.tell(LocalizedText::new(format!("改了 {count} 处"), format!("{count} places changed")));
+                self.message.tell(phrase!("改了 {count} 处", "{count} places changed", count));
             }
             TaskStep::Refused(why) => self.message.refuse(why),
         }
@@ -284,9 +284,10 @@ impl ProgramPage {
             return out.push(Command::RestartAt(line as u32 + 1));
         }
         let line = line + 1;
-        self.message.refuse(LocalizedText::new(
-            format!("光标在第 {line} 行，刚才看不见：确认后再按“从此段”，或点要开始的行"),
-            format!("the cursor was out of sight, in line {line}: press FROM N again, or touch the line to start from"),
+        self.message.refuse(phrase!(
+            "光标在第 {line} 行，刚才看不见：确认后再按“从此段”，或点要开始的行",
+            "the cursor was out of sight, in line {line}: press FROM N again, or touch the line to start from",
+            line
         ));
         self.reveal_cursor();
     }
@@ -295,10 +296,14 @@ impl ProgramPage {
     pub(super) fn start_hint(&self, view: &View<'_>) -> Option<String> {
         let (snapshot, line) = (view.snapshot, self.document.cursor_position().0 + 1);
         let ready = snapshot.mode == Mode::Auto && snapshot.state == RunState::Idle && snapshot.restart.is_none();
-        (ready && !self.editing && line > 1).then(|| match view.lang {
-            Lang::Zh => format!("循环启动从程序开头运行；按“从此段”才从第 {line} 行开始"),
-            Lang::En => format!("cycle start begins at the top of the program, FROM N at line {line}"),
-        })
+        let hint = || {
+            view.phrase(&phrase!(
+                "循环启动从程序开头运行；按“从此段”才从第 {line} 行开始",
+                "cycle start begins at the top of the program, FROM N at line {line}",
+                line
+            ))
+        };
+        (ready && !self.editing && line > 1).then(hint)
     }
 
     /// Puts the cursor on a line, or on the last one, and shows it on top.
@@ -335,7 +340,7 @@ impl ProgramPage {
                 } else {
                     document.block_anchor = None
                 }
-                self.message.tell(LocalizedText::new(format!("已复制 {count} 行"), format!("{count} lines copied")));
+                self.message.tell(phrase!("已复制 {count} 行", "{count} lines copied", count));
             }
             DeleteBlock => document.delete_block(),
             Paste => match &self.clipboard {

@@ -7,10 +7,10 @@ use egui::{Color32, Id, Painter, Rect, Response, Ui, pos2, vec2};
 use ropey::Rope;
 
 use super::document::content_len;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::hmi::page::{Scroll, ScrollList, VisibleRows};
 use crate::hmi::theme::{self, Theme};
-use crate::hmi::{Area, View, widget};
+use crate::hmi::{Area, View, swipe, widget};
 use crate::link::Snapshot;
 
 /// Height of a line.
@@ -179,6 +179,7 @@ impl ListingPosition {
             self.drag_remainder = 0.0;
             return;
         };
+        swipe::refuse_over(ui.ctx());
         self.drag_remainder -= widget::drag_delta(&response).x;
         let longest = lines.map(|line| content_len(rope.line(line))).max().unwrap_or(0);
         let columns = (self.drag_remainder / COLUMN_WIDTH).trunc();
@@ -208,9 +209,11 @@ fn restart_text(snapshot: &Snapshot) -> Option<LocalizedText> {
     }
     let (program, line) = snapshot.interrupted?;
     let name = snapshot.title(program);
-    Some(LocalizedText::new(
-        format!("{name} 在第 {line} 行断电中断：回零后按“断电续”，从该段继续"),
-        format!("{name} was interrupted at line {line}: home the axes, then RESUME continues from that block"),
+    Some(phrase!(
+        "{name} 在第 {line} 行断电中断：回零后按“断电续”，从该段继续",
+        "{name} was interrupted at line {line}: home the axes, then RESUME continues from that block",
+        name,
+        line
     ))
 }
 

@@ -7,7 +7,7 @@ use std::ops::Range;
 use ropey::{Rope, RopeBuilder};
 
 use super::document::{Document, content_len};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 
 /// Lines per slice: a few milliseconds.
 const SLICE_LINES: usize = 4_000;
@@ -244,9 +244,10 @@ impl Renumbering {
             let target = upper.split("GOTO").nth(1).map(str::trim_start);
             if by_code || target.is_some_and(|target| target.starts_with(['#', '['])) {
                 let line = index + 1;
-                return Err(LocalizedText::new(
-                    format!("第{line}行的跳转目标不能自动更改，请手工改段号"),
-                    format!("the jump target in line {line} cannot be adapted: renumber by hand"),
+                return Err(phrase!(
+                    "第{line}行的跳转目标不能自动更改，请手工改段号",
+                    "the jump target in line {line} cannot be adapted: renumber by hand",
+                    line
                 ));
             }
         }
@@ -259,7 +260,7 @@ impl Renumbering {
             return Err(LocalizedText::new(zh, format!("N{number} occurs twice: correct that first")));
         }
         if self.first + self.by * text.len_lines() as u64 > MAX_BLOCK_NUMBER {
-            return Err(LocalizedText::new("段号太大，请减小步长", "the numbers get too large: use a smaller step"));
+            return Err(phrase!("段号太大，请减小步长", "the numbers get too large: use a smaller step"));
         }
         Ok(true)
     }

@@ -5,7 +5,7 @@ use egui::accesskit::Role;
 
 use super::SettingsGroup;
 use crate::defs::date::{DateTime, YEARS, days_in_month};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::hmi::page::{InputPrompt, input_line};
 use crate::hmi::{Area, EditKey, FieldEditor, KeyboardFocus, View, theme};
 use crate::link::Command;
@@ -133,19 +133,16 @@ fn range(date: Option<DateTime>, field: usize) -> (i64, i64) {
 
 /// The date with one field replaced.
 fn date_with(date: Option<DateTime>, field: usize, text: &str) -> Result<DateTime, LocalizedText> {
-    let Some(date) = date else { return Err(LocalizedText::new("没有系统时钟", "the computer has no clock")) };
+    let Some(date) = date else { return Err(phrase!("没有系统时钟", "the computer has no clock")) };
     let (least, most) = range(Some(date), field);
-    let value = text.parse::<i64>().map_err(|_| LocalizedText::new("只能输入整数", "whole numbers only"))?;
+    let value = text.parse::<i64>().map_err(|_| phrase!("只能输入整数", "whole numbers only"))?;
     if !(least..=most).contains(&value) {
-        return Err(LocalizedText::new(format!("超出范围 {least} … {most}"), format!("out of range {least} … {most}")));
+        return Err(phrase!("超出范围 {least} … {most}", "out of range {least} … {most}", least, most));
     }
     let mut parts = date.parts();
     parts[field] = value;
     DateTime::from_parts(parts).ok_or_else(|| {
         let day = parts[2];
-        LocalizedText::new(
-            format!("该月没有 {day} 日，请先改日"),
-            format!("that month has no day {day}: change the day first"),
-        )
+        phrase!("该月没有 {day} 日，请先改日", "that month has no day {day}: change the day first", day)
     })
 }

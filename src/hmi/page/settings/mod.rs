@@ -8,7 +8,7 @@ use egui::{Align2, Rect, pos2, vec2};
 use super::{HandOver, PageContext, PageUi, input_line};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, AccessLevel, BitParam};
-use crate::defs::text::{Lang, Text};
+use crate::defs::text::Text;
 use crate::hmi::{Area, EditKey, FieldEditor, KeyboardFocus, Login, PageKey, View, theme};
 use crate::link::Command;
 use crate::link::page_command::{BRIGHTNESS, BRIGHTNESS_STEP, PageCommand, PasswordScope};
@@ -22,6 +22,8 @@ const NOTE_HEIGHT: f32 = 24.0;
 /// Groups of each column: rows of keys, and whether a note is below.
 const LEFT_GROUPS: [(f32, bool); 3] = [(1.0, false), (2.0, false), (2.0, false)];
 const RIGHT_GROUPS: [(f32, bool); 3] = [(2.0, true), (2.0, true), (1.0, false)];
+/// Cells of the row of colours and brightness.
+const LOOKS: usize = 5;
 /// Frequently used bits of the parameter table, each with the id and the label of its key.
 const SWITCHES: [(BitParam, &str, Text); 4] = [
     (param::COUNT_ON_M30, "switch-count", Text::new("M30 计件", "M30 COUNTS")),
@@ -159,27 +161,27 @@ impl SettingsPage {
     /// Language, colours and brightness of the screen.
     fn appearance(&mut self, group: &SettingsGroup<'_>, out: &mut Vec<Command>) {
         let view = group.view;
-        let looks = [
-            PageKey::new("lang-zh", "中文").on(view.lang == Lang::Zh),
-            PageKey::new("lang-en", "English").on(view.lang == Lang::En),
-            PageKey::new("theme-dark", view.text("深色", "DARK")).on(!view.light),
-            PageKey::new("theme-light", view.text("浅色", "LIGHT")).on(view.light),
-        ];
-        out.extend(self.walk.keys(view, group.row(0), &looks).map(|index| {
-            Command::Page(match index {
-                0 => PageCommand::SetLang(Lang::Zh),
-                1 => PageCommand::SetLang(Lang::En),
-                _ => PageCommand::SetLightTheme(index == 3),
-            })
-        }));
+        let ids: Vec<_> = view.languages.iter().map(|lang| format!("lang-{}", lang.code())).collect();
+        let languages: Vec<_> = view.languages.iter().zip(&ids).collect();
+        let languages: Vec<_> =
+            languages.iter().map(|(lang, id)| PageKey::new(id, lang.own_name()).on(view.lang == **lang)).collect();
+        let chosen = self.walk.keys(view, group.row(0), &languages);
+        out.extend(chosen.map(|index| Command::Page(PageCommand::SetLang(view.languages[index]))));
         let row = group.row(1);
-        let words = format!("{} {} %", view.text("亮度", "brightness"), view.brightness);
-        view.fit_centre(row.cell(1, 4).union(row.cell(2, 4)), &words, theme::LABEL, view.theme.text);
+        let looks =
+            [("theme-dark", view.text("深色", "DARK"), false), ("theme-light", view.text("浅色", "LIGHT"), true)];
+        for (column, (id, label, light)) in looks.into_iter().enumerate() {
+            if self.walk.button(view, row.cell(column, LOOKS), PageKey::new(id, label).on(view.light == light)) {
+                out.push(Command::Page(PageCommand::SetLightTheme(light)));
+            }
+        }
+        let words = format!("{} %", view.brightness);
+        view.fit_centre(row.cell(3, LOOKS), &words, theme::LABEL, view.theme.text);
         let darker = view.brightness.saturating_sub(BRIGHTNESS_STEP).max(*BRIGHTNESS.start());
         let brighter = view.brightness.saturating_add(BRIGHTNESS_STEP).min(*BRIGHTNESS.end());
-        let steps = [(0, "brightness-down", "-", darker), (3, "brightness-up", "+", brighter)];
+        let steps = [(2, "brightness-down", "-", darker), (4, "brightness-up", "+", brighter)];
         for (column, id, label, wanted) in steps {
-            if self.walk.button(view, row.cell(column, 4), PageKey::new(id, label)) && wanted != view.brightness {
+            if self.walk.button(view, row.cell(column, LOOKS), PageKey::new(id, label)) && wanted != view.brightness {
                 out.push(Command::Page(PageCommand::SetBrightness(wanted)));
             }
         }

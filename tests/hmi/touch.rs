@@ -1,0 +1,173 @@
+//! The finger on the screen: a swipe turns the page, a long touch explains a key, an opened page fades in. Source: spec H9.
+
+use egui::{Event, Modifiers, PointerButton, Pos2, pos2, vec2};
+use egui_kittest::kittest::Queryable;
+use kt830::defs::key::Key;
+use kt830::defs::page::Page;
+use kt830::defs::soft_key::CoordinateView;
+use kt830::hmi::theme;
+use kt830::link::Command;
+
+use crate::sample::snapshot;
+use crate::screen::{Screen, open, painted};
+
+/// Frames of a quarter of a second in which nothing comes from the finger.
+fn wait(screen: &mut Screen, frames: usize) {
+    (0..frames).for_each(|_| screen.step());
+}
+
+fn finger(screen: &mut Screen, pos: Pos2, pressed: Option<bool>) {
+    screen.event(Event::PointerMoved(pos));
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+    if let Some(pressed) = pressed {
+        screen.event(Event::PointerButton { pos, button, pressed, modifiers });
+    }
+    screen.step();
+}
+
+/// A swipe from a place by a way, with a rest of some frames under way; the pages that it opens.
+fn swipe(screen: &mut Screen, from: Pos2, way: egui::Vec2, rest: usize) -> Vec<Command> {
+    screen.state_mut().sent.clear();
+    finger(screen, from, Some(true));
+    wait(screen, rest);
+    finger(screen, from + way, Some(false));
+    std::mem::take(&mut screen.state_mut().sent)
+}
+
+fn sent(screen: &mut Screen) -> Vec<String> {
+    std::mem::take(&mut screen.state_mut().sent).iter().map(|command| format!("{command:?}")).collect()
+}
+
+fn opened(commands: &[Command]) -> Vec<Page> {
+    let page = |command: &Command| match command {
+        Command::OpenPage(page) => Some(*page),
+        _ => None,
+    };
+    commands.iter().filter_map(page).collect()
+}
+
+const MIDDLE: Pos2 = pos2(380.0, 300.0);
+const LEFT: egui::Vec2 = vec2(-250.0, 20.0);
+const RIGHT: egui::Vec2 = vec2(250.0, -20.0);
+
+#[test]
+fn h9_a_swipe_opens_the_next_page_of_its_row_or_the_one_before() {
+    // Row 4: process, alarms, wheel, settings, help.
+    let mut screen = open(snapshot(Page::Alarm));
+    assert_eq!(opened(&swipe(&mut screen, MIDDLE, LEFT, 0)), [Page::Wheel]);
+    assert_eq!(opened(&swipe(&mut screen, MIDDLE, RIGHT, 0)), [Page::Process]);
+    // The row ends: no page of another row.
+    let mut screen = open(snapshot(Page::Help));
+    assert_eq!(opened(&swipe(&mut screen, pos2(380.0, 80.0), LEFT, 0)), []);
+    // The views of the position are pages of their row.
+    let mut machine = snapshot(Page::Position);
+    machine.coordinates = CoordinateView::Relative;
+    let mut screen = open(machine);
+    let commands = swipe(&mut screen, MIDDLE, LEFT, 0);
+    assert!(
+        commands.iter().any(|command| matches!(command, Command::ShowCoordinates(CoordinateView::All))),
+        "{commands:?}"
+    );
+    // A key that opens no page is passed: row 2 ends with PRINT.
+    let mut screen = open(snapshot(Page::Transfer));
+    assert_eq!(opened(&swipe(&mut screen, pos2(380.0, 64.0), LEFT, 0)), []);
+}
+
+#[test]
+fn h9_what_is_no_swipe_opens_nothing() {
+    let mut screen = open(snapshot(Page::Alarm));
+    for (from, way, rest, what) in [
+        (MIDDLE, vec2(-100.0, 0.0), 0, "short"),
+        (MIDDLE, vec2(-250.0, 150.0), 0, "steep"),
+        (MIDDLE, LEFT, 4, "slow"),
+        (pos2(900.0, 300.0), LEFT, 0, "from the panel"),
+        (pos2(380.0, 740.0), LEFT, 0, "from the soft keys"),
+    ] {
+        let commands = swipe(&mut screen, from, way, rest);
+        assert!(commands.iter().all(|command| matches!(command, Command::Release(_))), "{what}: {commands:?}");
+    }
+    // Where a drag moves something sideways.
+    for page in [Page::Graphic, Page::Process, Page::Scope] {
+        let mut screen = open(snapshot(page));
+        assert_eq!(opened(&swipe(&mut screen, pos2(420.0, 250.0), LEFT, 0)), [], "{page:?}");
+    }
+}
+
+#[test]
+fn h9_a_swipe_over_keys_and_rows_presses_none() {
+    for page in Page::ALL {
+        let mut screen = open(snapshot(*page));
+        for from in [pos2(500.0, 120.0), MIDDLE, pos2(500.0, 560.0)] {
+            for command in swipe(&mut screen, from, LEFT, 0) {
+                let turns = matches!(command, Command::OpenPage(_) | Command::ShowCoordinates(_) | Command::Page(_));
+                assert!(turns && !matches!(command, Command::Press(_)), "{page:?} {from:?}: {command:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn h9_a_long_touch_explains_a_key_and_does_not_press_it() {
+    let mut screen = open(snapshot(Page::Position));
+    let place =
+        |screen: &Screen, key: Key| screen.get_by_label(&format!("{} {}", key.label().zh, key.id())).rect().center();
+    let explained = |screen: &Screen| painted(screen).iter().any(|text| text.contains("短按才执行"));
+    let key = place(&screen, Key::Coolant);
+    // The slow touch of a glove presses.
+    finger(&mut screen, key, Some(true));
+    wait(&mut screen, 3);
+    finger(&mut screen, key, Some(false));
+    assert_eq!(sent(&mut screen), ["Press(Coolant)", "Release(Coolant)"]);
+    assert!(!explained(&screen));
+    // A long one explains, and nothing is sent when it ends.
+    finger(&mut screen, key, Some(true));
+    wait(&mut screen, 8);
+    assert!(explained(&screen), "{:?}", painted(&screen));
+    finger(&mut screen, key, Some(false));
+    wait(&mut screen, 2);
+    assert_eq!(sent(&mut screen), [""; 0]);
+    // The next touch is a press again.
+    finger(&mut screen, key, Some(true));
+    finger(&mut screen, key, Some(false));
+    assert_eq!(sent(&mut screen), ["Press(Coolant)", "Release(Coolant)"]);
+    // Keys that act at once are not explained: feed hold must not wait.
+    let mut screen = open(snapshot(Page::Position));
+    let hold = place(&screen, Key::FeedHold);
+    finger(&mut screen, hold, Some(true));
+    assert_eq!(sent(&mut screen), ["Press(FeedHold)"]);
+    wait(&mut screen, 8);
+    assert!(!explained(&screen));
+}
+
+/// Whether the veil of a page that fades in lies over it.
+fn is_veiled(screen: &Screen) -> bool {
+    let ground = theme::DARK.background;
+    let veil = |shape: &egui::Shape| match shape {
+        egui::Shape::Rect(rect) => {
+            let colour = rect.fill;
+            rect.rect.width() > 500.0
+                && rect.rect.height() > 300.0
+                && colour != ground
+                && (1..255).contains(&colour.a())
+        }
+        _ => false,
+    };
+    screen.output().shapes.iter().any(|clipped| veil(&clipped.shape))
+}
+
+#[test]
+fn h9_an_opened_page_is_there_at_once_and_fades_in_only_on_a_display() {
+    for fades in [true, false] {
+        let mut screen = open(snapshot(Page::Position));
+        screen.state_mut().hmi.set_fades(fades);
+        screen.step();
+        assert!(!is_veiled(&screen));
+        screen.state_mut().snapshot = snapshot(Page::Alarm);
+        screen.step();
+        assert_eq!(is_veiled(&screen), fades);
+        assert!(painted(&screen).iter().any(|text| text.contains("报警")));
+        // The next frame of the harness is a quarter of a second later.
+        screen.step();
+        assert!(!is_veiled(&screen));
+    }
+}
