@@ -276,7 +276,7 @@ fn b6_the_operator_says_why_the_machine_stands() {
         (0..2).for_each(|_| screen.step());
     };
     touch(&mut screen, "班次 jobs-shifts");
-    assert!(painted(&screen).iter().any(|text| text == "停机没有原因: 123 min"), "{:?}", painted(&screen));
+    assert!(painted(&screen).iter().any(|text| text == "停机原因 (操作者) · 未说明 123 min"), "{:?}", painted(&screen));
     let given = |screen: &mut Screen| {
         let sent = std::mem::take(&mut screen.state_mut().sent);
         sent.into_iter().find_map(|command| match command {

@@ -113,8 +113,8 @@ fn stop_reasons(rect: Rect, view: &View<'_>, day: u64, walk: &mut KeyboardFocus)
     let (head, keys) = inside.split_top(LINE_HEIGHT);
     let sum = sum(&hours_of(view.snapshot, day));
     let minutes = |seconds: u32| (seconds + 30) / 60;
-    let open = view.text("停机没有原因", "stops without a reason");
-    let words = format!("{open}: {} min", minutes(sum.seconds_unexplained()));
+    let open = view.text("停机原因 (操作者) · 未说明", "stops, by the operator · not told");
+    let words = format!("{open} {} min", minutes(sum.seconds_unexplained()));
     view.fit_left(head, &words, theme::SMALL, view.theme.muted);
     view.hairline(head, head.max.y - 0.5);
     let mut touched = None;
