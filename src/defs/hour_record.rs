@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::date::DateTime;
+use super::downtime_reason::DowntimeReason;
 use super::history::{History, HistoryEntry};
-use super::stop_reason::StopReason;
 use super::text::Text;
 
 /// Most hours in the history: 31 days.
@@ -48,9 +48,9 @@ pub struct HourRecord {
     pub hour: u64,
     /// Seconds of each use, by [`MachineUse::ALL`]; what is missing to an hour the machine was off.
     pub seconds: [u32; MachineUse::ALL.len()],
-    /// Seconds without a run that the operator has given a reason for, by [`StopReason::ALL`].
+    /// Seconds without a run that the operator has given a reason for, by [`DowntimeReason::ALL`].
     #[serde(default, skip_serializing_if = "is_unexplained")]
-    pub explained: [u32; StopReason::ALL.len()],
+    pub explained: [u32; DowntimeReason::ALL.len()],
     /// Finished parts that are not bad.
     pub good: u32,
     /// Bad parts.
@@ -93,7 +93,7 @@ impl HourRecord {
 }
 
 /// Whether no stop has a reason: such an hour is written as a control without reasons writes it.
-fn is_unexplained(explained: &[u32; StopReason::ALL.len()]) -> bool {
+fn is_unexplained(explained: &[u32; DowntimeReason::ALL.len()]) -> bool {
     explained.iter().all(|seconds| *seconds == 0)
 }
 

@@ -74,6 +74,12 @@ impl SoftKeyAction {
         }
     }
 
+    /// Whether it opens a page, or a view of one.
+    #[must_use]
+    pub const fn opens_page(self) -> bool {
+        matches!(self, Self::Open(_) | Self::Position(_))
+    }
+
     /// The label of its key on a kind.
     #[must_use]
     pub fn label_on(self, kind: Kind) -> Text {

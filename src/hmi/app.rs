@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui};
 
 use super::closing::Closing;
+use super::explanation::Explanation;
 use super::key_press::KeyPresses;
 use super::layout::Regions;
 use super::numeric_pad::NumericPad;
@@ -20,12 +21,10 @@ use super::variable_entry::VariableEntry;
 use super::{EditKey, KeyboardInput, View, aside, blink_phase, clock_time, demo_band, file_command, keyboard};
 use crate::defs::favourite::Favourite;
 use crate::defs::key::Key;
-use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::soft_key::{self, SoftKeyAction};
-use crate::defs::text::arg::Arg;
-use crate::defs::text::{Lang, LocalizedText, Template, Translation};
+use crate::defs::text::{Lang, Text, Translation};
 use crate::hmi::page::grinding::GrindingPage;
 use crate::hmi::page::help::{Help, HelpTouch};
 use crate::hmi::page::program::ProgramPage;
@@ -58,7 +57,8 @@ pub struct Hmi {
     page_map: PageMap,
     favourites: Arc<[Favourite]>,
     languages: Arc<[Lang]>,
-    hint: Option<(LocalizedText, f64)>,
+    hint: Option<(Text, f64)>,
+    explanation: Explanation,
     swipe: Swipe,
     /// When the page was opened that is fading in, s of the screen; only where pages fade.
     faded_since: Option<f64>,
@@ -102,6 +102,7 @@ impl Hmi {
             favourites: Arc::default(),
             languages: Arc::new([Lang::Zh, Lang::En]),
             hint: None,
+            explanation: Explanation::default(),
             swipe: Swipe::default(),
             faded_since: None,
             fades: false,
@@ -203,15 +204,15 @@ impl Hmi {
         let panel = panel_layout(snapshot.fitted(), regions.panel, regions.portrait);
         let words =
             if self.help_open { self.help.accepts_text() } else { self.pages.page(snapshot.page).accepts_text() };
-        let words = words && !snapshot.state.is_active();
+        let words = words && !snapshot.state.is_active() && !self.page_map.is_open();
         let mut asked = keyboard::read(ui, snapshot.fitted(), words);
         out.extend(self.screenshot_commands(snapshot.params.bit(param::PRINT_AS_BMP)));
         self.handle_physical_keys(&view, &asked, &mut out);
         if let Some(reason) = self.panel.ui(&panel, &view, &mut self.presses, &mut out) {
-            self.show_hint(ui, reason.into());
+            self.show_hint(ui, reason);
         }
         if let Some(key) = self.presses.take_explained() {
-            self.show_hint(ui, explanation(key, snapshot.kind));
+            self.explanation.show(&view, key);
         }
         asked.edits.splice(..0, self.pad.take_touched());
         let to_closing = self.edits_for_closing(&view, &mut asked);
@@ -221,18 +222,7 @@ impl Hmi {
             aside::ui(&view, strip);
             frame.entry.set(None);
         }
-        if self.help_open {
-            let touch = self.help.overlay(&view, content.shrink(theme::GAP), &asked);
-            self.handle_help(&view, touch, &mut out);
-        } else if self.page_map.is_open() {
-            if let Some(action) = self.page_map.ui(&view, content, &asked.edits) {
-                self.run_soft_key(ui, action, &mut out);
-            }
-        } else {
-            self.draw_page(content, &view, &asked, &mut out);
-            self.follow_swipe(&view, content, &mut out);
-        }
-        self.fade(&view, content);
+        self.draw_content(content, &view, &asked, &mut out);
         if let Some(band) = band {
             demo_band::ui(&view, band);
             out.extend(demo_band::is_touched(ui).then_some(Command::TakeOver));
@@ -241,6 +231,9 @@ impl Hmi {
         let typing = !self.is_page_covered() && self.pages.wants_pad(&view) || self.closing.wants_pad();
         self.pad.ui(&view, self.pages.pad_room(&view, content), typing);
         self.draw_frame(&regions, &view, &asked, &mut out);
+        if out.iter().any(|command| matches!(command, Command::OpenPage(_) | Command::ShowCoordinates(_))) {
+            self.page_map.close();
+        }
         if self.brightness < *BRIGHTNESS.end() {
             ui.painter().rect_filled(ui.max_rect(), 0.0, theme::dimming_overlay(self.brightness));
         }
@@ -275,6 +268,7 @@ impl Hmi {
             self.page = Some(snapshot.page);
             self.help_open = false;
             self.page_map.close();
+            self.swipe.forget();
             self.pages.open(view);
         }
         match (self.pages.page(snapshot.page).picture(snapshot), &self.picture) {
@@ -291,17 +285,21 @@ impl Hmi {
         if std::mem::take(&mut self.close_asked)
             && let Some(reason) = self.closing.ask(view)
         {
-            self.show_hint(view.ui, reason.into());
+            self.show_hint(view.ui, reason);
         }
         if self.closing.is_open() { std::mem::take(&mut asked.edits) } else { Vec::new() }
     }
 
     /// A swipe over the page opens the next page of its row, or the one before.
     fn follow_swipe(&mut self, view: &View<'_>, content: Rect, out: &mut Vec<Command>) {
+        if self.is_page_covered() {
+            return self.swipe.forget();
+        }
         let Some(turn) = self.swipe.follow(view.ui, content) else { return };
         let open = soft_key::key_of_page(view.snapshot.page, view.snapshot.coordinates);
         let Some((row, _)) = soft_key::place(view.snapshot.kind, open) else { return };
-        let pages: Vec<_> = page_frame::soft_key_row(view, row).map(|soft| soft.action).filter(opens_page).collect();
+        let pages: Vec<_> = soft_key::row(view.snapshot.kind, row).map(|soft| soft.action).collect();
+        let pages: Vec<_> = pages.into_iter().filter(|action| action.opens_page()).collect();
         let Some(at) = pages.iter().position(|action| *action == open) else { return };
         let wanted = match turn {
             SwipeTurn::Next => at.checked_add(1),
@@ -324,9 +322,26 @@ impl Hmi {
         view.ui.ctx().request_repaint();
     }
 
-    fn show_hint(&mut self, ui: &Ui, reason: LocalizedText) {
+    fn show_hint(&mut self, ui: &Ui, reason: Text) {
         self.hint = Some((reason, ui.input(|input| input.time)));
         ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(HINT_SECONDS + 0.05));
+    }
+
+    /// The page, or what lies over it.
+    fn draw_content(&mut self, content: Rect, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
+        if self.help_open {
+            let touch = self.help.overlay(view, content.shrink(theme::GAP), asked);
+            self.handle_help(view, touch, out);
+        } else if self.page_map.is_open() {
+            if let Some(action) = self.page_map.ui(view, content, &asked.edits) {
+                self.run_soft_key(view.ui, action, out);
+            }
+        } else {
+            self.draw_page(content, view, asked, out);
+        }
+        self.follow_swipe(view, content, out);
+        self.fade(view, content);
+        self.explanation.ui(view, content);
     }
 
     fn draw_page(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, out: &mut Vec<Command>) {
@@ -374,9 +389,9 @@ impl Hmi {
 
     fn draw_frame(&mut self, regions: &Regions, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
         let header = page_frame::header(view, regions.header);
-        let hint = self.hint.as_ref().map(|(text, _)| text.get(view.lang));
+        let hint = self.hint.map(|(text, _)| text.get(view.lang));
         let of_page = self.pages.page(view.snapshot.page).message(view.lang).filter(|_| !self.is_page_covered());
-        let message = page_frame::message_line(view, regions.message, hint.as_deref(), of_page.as_deref());
+        let message = page_frame::message_line(view, regions.message, hint, of_page.as_deref());
         let status = page_frame::status_line(view, regions.status);
         match header.or(message).or(status) {
             Some(FrameTouch::Help) => self.toggle_help(view),
@@ -471,7 +486,7 @@ impl Hmi {
         self.presses.track_keyboard(view.ui, out);
         for shortcut in &asked.keys {
             if let Some(reason) = super::panel::key_state(view, shortcut.key).blocked {
-                self.show_hint(view.ui, reason.into());
+                self.show_hint(view.ui, reason);
             }
             self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
         }
@@ -490,18 +505,6 @@ impl Hmi {
             self.toggle_help(view);
         }
     }
-}
-
-/// What a long touch of a key tells.
-fn explanation(key: Key, kind: Kind) -> LocalizedText {
-    const EXPLAINED: &Template =
-        &Template::new("{key}：{help}（短按才执行）", "{key}: {help} (a short touch does it)", &["key", "help"]);
-    LocalizedText::phrase_of(EXPLAINED, [Arg::Key(key, kind)], [key.row().help.into()])
-}
-
-/// Whether a soft key opens a page.
-const fn opens_page(action: &SoftKeyAction) -> bool {
-    matches!(action, SoftKeyAction::Open(_) | SoftKeyAction::Position(_))
 }
 
 fn load_picture(

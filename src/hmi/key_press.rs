@@ -32,6 +32,26 @@ pub const fn trigger_of(key: Key) -> KeyTrigger {
     }
 }
 
+/// Whether a long touch explains a key: only one that starts or selects something, and not one that is on. Who rests on a
+/// key that stops, retracts or slows wants it to act.
+pub const fn is_explained(key: Key, is_on: bool) -> bool {
+    let stops = matches!(
+        key,
+        Key::WheelStop | Key::HeadstockStop | Key::SpindleStop | Key::WheelRetract | Key::SpindleOverrideUp
+    );
+    let slows = matches!(
+        key,
+        Key::FeedOverrideUp
+            | Key::FeedOverrideDown
+            | Key::SpindleOverrideDown
+            | Key::RapidF0
+            | Key::Rapid25
+            | Key::Rapid50
+            | Key::Rapid100
+    );
+    !is_on && !stops && !slows && matches!(trigger_of(key), KeyTrigger::OnRelease)
+}
+
 /// State of a key that is held down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PressState {
@@ -82,10 +102,6 @@ impl KeyPresses {
             }
             None if response.clicked() && !lost => out.extend([Command::Press(key), Command::Release(key)]),
             None => {}
-            Some(down) if on_it && down.state == PressState::Armed && now - down.since >= LONG_PRESS_S => {
-                self.explained = Some(key);
-                self.finger = Some(HeldKey { state: PressState::Cancelled, drawn: true, ..down });
-            }
             Some(down) if on_it => self.finger = Some(repeat_hold(down, now, out)),
             Some(down) => {
                 let counts = response.clicked() || (lifted && inside);
@@ -103,6 +119,17 @@ impl KeyPresses {
             ui.ctx().request_repaint_after(std::time::Duration::from_millis(20));
         }
         on_it && self.finger.is_some_and(|down| down.key == key && down.state != PressState::Cancelled)
+    }
+
+    /// A finger that rests on a key asks what the key does: from then on it does not press it.
+    pub fn explain_long(&mut self, now: f64, key: Key) {
+        let rests = |down: &&mut HeldKey| {
+            down.key == key && down.state == PressState::Armed && now - down.since >= LONG_PRESS_S
+        };
+        if let Some(down) = self.finger.as_mut().filter(rests) {
+            down.state = PressState::Cancelled;
+            self.explained = Some(key);
+        }
     }
 
     /// The key that a long touch asks about; it is not pressed.

@@ -9,6 +9,7 @@ pub mod aside;
 mod closing;
 pub mod core_fault;
 mod demo_band;
+mod explanation;
 pub mod field_editor;
 mod guarded_question;
 mod key_press;

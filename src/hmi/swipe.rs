@@ -9,6 +9,8 @@ use egui::{Context, Id, Pos2, Rect, Ui};
 const SHORTEST: f32 = 0.2;
 /// Steepest swipe: way up or down over the way to the side.
 const STEEPEST: f32 = 0.4;
+/// Way after which egui knows what is dragged, points.
+const LEAST_MOVE: f32 = 20.0;
 /// Longest time, s: what takes longer is a finger that rests or scrolls.
 const LONGEST_S: f64 = 0.6;
 
@@ -26,9 +28,16 @@ pub enum SwipeTurn {
 pub struct Swipe {
     /// Where and when it came down on the page.
     begun: Option<(Pos2, f64)>,
+    /// It has moved while nothing beneath it moved along.
+    moved: bool,
 }
 
 impl Swipe {
+    /// Forgets the finger: another page has come under it.
+    pub const fn forget(&mut self) {
+        self.begun = None;
+    }
+
     /// Follows the finger over the page; where a swipe that has ended in this frame leads.
     pub fn follow(&mut self, ui: &Ui, page: Rect) -> Option<SwipeTurn> {
         let (time, down, up, at, fingers) = ui.input(|input| {
@@ -38,14 +47,18 @@ impl Swipe {
         });
         if down {
             self.begun = at.filter(|at| page.contains(*at)).map(|at| (at, time));
+            self.moved = false;
         }
         if fingers || !is_free(ui.ctx()) {
             self.begun = None;
         }
         if !up {
+            // What is dragged is known a frame after the finger has moved: a flick within one frame is no swipe.
+            let far = |(from, _): (Pos2, f64)| at.is_some_and(|at| (at - from).x.abs() > LEAST_MOVE);
+            self.moved |= !down && self.begun.is_some_and(far);
             return None;
         }
-        let (from, since) = self.begun.take()?;
+        let (from, since) = self.begun.take().filter(|_| self.moved)?;
         let way = at? - from;
         let counts = way.x.abs() >= SHORTEST * page.width()
             && way.y.abs() <= STEEPEST * way.x.abs()

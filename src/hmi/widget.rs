@@ -122,6 +122,11 @@ impl KeyboardFocus {
         (self.cursor, self.item_count) = (Some(key), count);
     }
 
+    /// The focused key.
+    pub const fn selected(&self) -> Option<usize> {
+        self.cursor
+    }
+
     /// Starts a frame: the typed keys move the focus among the keys of the last frame, or activate the focused key.
     pub fn begin_frame(&mut self, edits: &[EditKey]) {
         let count = self.item_count.max(1);

@@ -7,11 +7,11 @@ use std::fmt;
 use super::files::{FileAnswer, FileRequest, Ticket};
 use super::scope::ScopeCommand;
 use crate::defs::date::DateTime;
+use crate::defs::downtime_reason::DowntimeReason;
 use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{AccessLevel, ParamAddress};
-use crate::defs::stop_reason::StopReason;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::units::Axis;
 
@@ -164,7 +164,7 @@ pub enum PageCommand {
     /// Removes the dressing points (K4.2).
     ClearDressPoints,
     /// Says why the machine stands; none takes the reason back from now on.
-    ExplainStop(Option<StopReason>),
+    SetDowntimeReason(Option<DowntimeReason>),
     /// Starts or ends a recording of the scope.
     Scope(ScopeCommand),
     /// Sets date and time of day.

@@ -1,6 +1,7 @@
 //! Production: what the operator does with the orders, what was made. Source: spec B6, K4.5.
 
 use super::screens::Screens;
+use crate::defs::downtime_reason::DowntimeReason;
 use crate::defs::hour_record::HourHistory;
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
@@ -10,7 +11,6 @@ use crate::defs::production_order::{
     MAX_ORDERS, MAX_PROPOSALS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, OrderValues, PLACES_OF_OPERATOR,
     ProductionOrder,
 };
-use crate::defs::stop_reason::StopReason;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::defs::value_bound::TYPED_VALUE_LIMIT;
@@ -173,7 +173,7 @@ pub struct ProductionView {
     /// What the machine did, hour by hour.
     pub hours: HourHistory,
     /// Why the machine stands, as the operator has said; none while it runs.
-    pub stop_reason: Option<StopReason>,
+    pub downtime_reason: Option<DowntimeReason>,
     /// Orders by their numbers.
     pub orders: Vec<ProductionOrder>,
 }
@@ -183,7 +183,7 @@ impl ProductionView {
     #[must_use]
     pub fn differs(&self, other: &Self) -> bool {
         (self.parts.version(), self.hours.version()) != (other.parts.version(), other.hours.version())
-            || (self.stop_reason, &self.orders) != (other.stop_reason, &other.orders)
+            || (self.downtime_reason, &self.orders) != (other.downtime_reason, &other.orders)
     }
 
     /// The order of a number.

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use super::io_fault::IoFault;
 use super::ron_file::{self, ChecksumPolicy};
-use crate::defs::text::{LanguageFile, LocalizedText, Translation, phrase};
+use crate::defs::text::{LanguageFile, LocalizedText, Template, Translation, phrase};
 
-/// Maximum number of added languages: each has a key on the settings page.
-pub const MAX_ADDED_LANGUAGES: usize = 3;
+/// Maximum number of languages that files add beside the shipped ones: each has a key on the settings page.
+pub const MAX_ADDED_LANGUAGES: usize = 2;
 
 /// The languages that come with the control.
 const SHIPPED: [&str; 1] = [include_str!("../../assets/text/de.ron")];
@@ -32,14 +32,18 @@ impl AddedLanguages {
             Ok(files) => files.iter().for_each(|file| all.add(file)),
             Err(fault) => all.faults.push(LocalizedText::same(&fault)),
         }
-        for text in SHIPPED {
-            // A test reads it.
-            let made = ron::from_str(text).ok().and_then(|file| Translation::new(file).ok());
-            let made = made.filter(|(language, _)| !all.languages.contains(language));
-            all.languages.extend(made.map(|(language, _)| language));
-        }
-        all.languages.truncate(MAX_ADDED_LANGUAGES);
+        let shipped = Self::shipped().languages.into_iter();
+        let others: Vec<_> = shipped.filter(|language| !all.languages.contains(language)).collect();
+        all.languages.extend(others);
         all
+    }
+
+    /// The languages that come with the control alone.
+    #[must_use]
+    pub fn shipped() -> Self {
+        // A test reads them.
+        let made = SHIPPED.into_iter().filter_map(|text| Translation::new(ron::from_str(text).ok()?).ok());
+        Self { languages: made.map(|(language, _)| language).collect(), faults: Vec::new() }
     }
 
     fn add(&mut self, path: &Path) {
@@ -49,8 +53,7 @@ impl AddedLanguages {
             Err(fault) => Err(LocalizedText::same(&fault)),
         };
         let fault = match read {
-            Ok((language, rows)) if self.languages.contains(&language) => {
-                drop(rows);
+            Ok((language, _)) if self.languages.contains(&language) => {
                 phrase!(
                     "已有语言“{code}”：请改其中一个文件的代码",
                     "the language '{code}' is there already: change the code in one of the files",
@@ -58,7 +61,11 @@ impl AddedLanguages {
                 )
             }
             Ok(_) if self.languages.len() == MAX_ADDED_LANGUAGES => {
-                phrase!("最多添加 3 种语言：请移走一个文件", "at most 3 languages are added: take a file away")
+                phrase!(
+                    "最多添加 {most} 种语言：请移走一个文件",
+                    "at most {most} languages are added: take a file away",
+                    most = MAX_ADDED_LANGUAGES
+                )
             }
             Ok((language, rows)) => {
                 self.faults.extend(rows.into_iter().map(|fault| placed(&name, fault)));
@@ -72,8 +79,7 @@ impl AddedLanguages {
 
 /// A fault with the file in which it is.
 fn placed(file: &str, fault: LocalizedText) -> LocalizedText {
-    const IN_FILE: &crate::defs::text::Template =
-        &crate::defs::text::Template::new("{file}：{fault}", "{file}: {fault}", &["file", "fault"]);
+    const IN_FILE: &Template = &Template::new("{file}：{fault}", "{file}: {fault}", &["file", "fault"]);
     LocalizedText::phrase_of(IN_FILE, [file.into()], [fault])
 }
 

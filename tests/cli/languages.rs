@@ -187,23 +187,27 @@ fn h9_what_is_wrong_with_a_language_file_is_told() {
     for (code, name, told) in [
         ("en", "English", "small letters"),
         ("D", "Deutsch", "small letters"),
-        ("de", "", "1 to 12 characters"),
-        ("de", "a name that is far too long", "1 to 12 characters"),
+        ("de", "", "1 to 10 characters"),
+        ("de", "a name that is far too long", "1 to 10 characters"),
     ] {
         assert!(made(code, name, Vec::new()).unwrap_err().en().contains(told), "{code} {name}");
     }
     let texts = vec![
         row("轴 {axis}", "axis {axis}", "Achse {achse}"),
         row("轴 {axis} {value}", "axis {axis} {value:.3}", "{value:.3} auf Achse {axis}"),
+        // Another form of a number would round a limit, or stop the screen.
+        row("限位 {limit:.3}", "limit {limit:.3}", "Grenze {limit:.0}"),
+        row("限 {limit:.3}", "limit {limit:.3}", "Grenze {limit:.99999}"),
         row("关", "off", "aus"),
         row("关", "off", "zu"),
         row("断开", "off", "getrennt"),
     ];
     let (language, faults) = made("de", "Deutsch", texts).unwrap();
     let faults: Vec<_> = faults.iter().map(|fault| fault.en().into_owned()).collect();
-    assert_eq!(faults.len(), 2, "{faults:?}");
+    assert_eq!(faults.len(), 4, "{faults:?}");
     assert!(faults[0].contains("'Achse {achse}' has other placeholders than 'axis {axis}'"), "{faults:?}");
-    assert!(faults[1].contains("'关' has two rows"), "{faults:?}");
+    assert!(faults[1].contains("{limit:.0}") && faults[2].contains("{limit:.99999}"), "{faults:?}");
+    assert!(faults[3].contains("'关' has two rows"), "{faults:?}");
     // The first of two rows holds; the same English has other words where the Chinese differs.
     assert_eq!(language.find("关", "off"), Some("aus"));
     assert_eq!(language.find("断开", "off"), Some("getrennt"));
@@ -222,13 +226,22 @@ fn h9_files_of_a_folder_are_languages_or_faults_with_their_place() {
     }
     write("3.ron", "(code: \"pl\",\n  name: 7, texts: [])");
     write("notes.txt", "not a language");
+    // Two files beside the shipped languages: none of those is pushed out.
+    let two = tempfile::tempdir().unwrap();
+    for code in ["ru", "fr"] {
+        let text = format!("(code: {code:?}, name: {code:?}, texts: [])");
+        fs::write(two.path().join(format!("{code}.ron")), text).unwrap();
+    }
+    let all = AddedLanguages::read(two.path());
+    let codes: Vec<_> = all.languages.iter().map(|language| language.code.as_str()).collect();
+    assert_eq!((codes, all.faults.len()), (vec!["fr", "ru", "de"], 0));
     let AddedLanguages { languages, faults } = AddedLanguages::read(folder.path());
     let codes: Vec<_> = languages.iter().map(|language| language.code.as_str()).collect();
-    assert_eq!(codes, ["de", "ru", "fr"]);
+    assert_eq!(codes, ["de", "ru"]);
     // The file of the folder holds before the shipped one.
     assert_eq!(languages[0].words().count(), 0);
     let faults: Vec<_> = faults.iter().map(|fault| fault.en().into_owned()).collect();
-    for (index, told) in [(0, "2.ron: the language 'de' is there already"), (1, "3.ron line 2"), (2, "at most 3")] {
+    for (index, told) in [(0, "2.ron: the language 'de' is there already"), (1, "3.ron line 2"), (2, "at most 2")] {
         assert!(faults[index].contains(told), "{faults:?}");
     }
 }
@@ -252,6 +265,8 @@ fn h9_the_command_line_speaks_a_language_of_a_file() {
     let (code, _, told) = output(&["codes", "--lang", "fr", "--languages", languages]);
     assert_eq!(code, 2);
     assert!(told.contains("--lang fr: the languages are zh, en, de; others are files in"), "{told}");
+    let (code, _, told) = output(&["codes", "--languages", "no-such-folder"]);
+    assert!(code == 2 && told.contains("--languages no-such-folder: there is no such folder"), "{told}");
 }
 
 /// The shipped languages: no row is wrong, every character is in the font, and no row is for a text that is gone.

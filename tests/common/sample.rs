@@ -366,7 +366,7 @@ pub fn busy(page: Page) -> Snapshot {
     let mut snapshot = running(page);
     snapshot.interrupted = Some((1_001, 12_345));
     snapshot.production =
-        ProductionView { parts: part_history(), hours: hour_history(), stop_reason: None, orders: orders() };
+        ProductionView { parts: part_history(), hours: hour_history(), downtime_reason: None, orders: orders() };
     let said = |zh: &str, en: &str| LocalizedText::new(zh, en);
     snapshot.simulated = Some(Arc::new(SimView {
         forced: vec![(Input::HydraulicPressure, true)],

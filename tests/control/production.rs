@@ -2,13 +2,13 @@
 //! Source: spec B6, K4.5, K7.2.
 
 use kt830::defs::date::DateTime;
+use kt830::defs::downtime_reason::DowntimeReason;
 use kt830::defs::history::HistoryEntry;
 use kt830::defs::hour_record::{HourRecord, MachineUse};
 use kt830::defs::kind::Kind;
 use kt830::defs::part_record::{MAX_PART_RECORDS, PartHistory, PartRecord};
 use kt830::defs::part_verdict::PartVerdict;
 use kt830::defs::production_order::{MAX_ORDERS, MAX_PROPOSALS, OrderState, OrderValues, ProductionOrder};
-use kt830::defs::stop_reason::StopReason;
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
@@ -378,8 +378,8 @@ fn b6_the_hours_count_what_the_machine_does() {
 fn b6_a_stop_has_the_reason_that_the_operator_gives() {
     let mut rig = shop();
     let eight = DateTime::parse("2026-11-28 08:00:00").expect("a date");
-    let explain = |reason| Command::Page(PageCommand::ExplainStop(reason));
-    let explained = |rig: &mut HeadlessHost, reason: StopReason| -> Vec<u32> {
+    let explain = |reason| Command::Page(PageCommand::SetDowntimeReason(reason));
+    let explained = |rig: &mut HeadlessHost, reason: DowntimeReason| -> Vec<u32> {
         rig.snapshot().production.hours.iter().map(|record| record.explained[reason as usize]).collect()
     };
     let near = |found: Vec<u32>, wanted: [u32; 2]| {
@@ -387,42 +387,78 @@ fn b6_a_stop_has_the_reason_that_the_operator_gives() {
     };
     rig.send(Command::WallClock(DateTime(eight.0 - 600)));
     tell(&mut rig, "wait 900 s");
-    rig.send(explain(Some(StopReason::Repair)));
+    rig.send(explain(Some(DowntimeReason::Repair)));
     tell(&mut rig, "wait 0.1 s");
-    assert_eq!(rig.snapshot().production.stop_reason, Some(StopReason::Repair));
-    let found = explained(&mut rig, StopReason::Repair);
+    assert_eq!(rig.snapshot().production.downtime_reason, Some(DowntimeReason::Repair));
+    let found = explained(&mut rig, DowntimeReason::Repair);
     assert!(near(found.clone(), [600, 300]), "{found:?}");
     // It holds from now on; another one holds from then on and leaves what was said before.
     tell(&mut rig, "wait 300 s");
-    rig.send(explain(Some(StopReason::SetUp)));
+    rig.send(explain(Some(DowntimeReason::SetUp)));
     tell(&mut rig, "wait 100 s");
     rig.send(explain(None));
     tell(&mut rig, "wait 50 s");
-    let (repair, set_up) = (explained(&mut rig, StopReason::Repair), explained(&mut rig, StopReason::SetUp));
+    let (repair, set_up) = (explained(&mut rig, DowntimeReason::Repair), explained(&mut rig, DowntimeReason::SetUp));
     assert!(near(repair.clone(), [600, 600]) && near(set_up.clone(), [0, 100]), "{repair:?} {set_up:?}");
     // What stood without a reason gets the next one, and no hour has more reasons than it stood.
-    rig.send(explain(Some(StopReason::Break)));
+    rig.send(explain(Some(DowntimeReason::Break)));
     tell(&mut rig, "wait 11 s");
     for record in rig.snapshot().production.hours.iter() {
         let stood = record.seconds_on() - record.seconds[MachineUse::Running as usize];
         assert!(record.explained.iter().sum::<u32>() <= stood, "{record:?}");
     }
-    let found = explained(&mut rig, StopReason::Break);
+    let found = explained(&mut rig, DowntimeReason::Break);
     assert!(found[1].abs_diff(61) <= 11, "{found:?}");
     // The next run ends it; while it runs no reason is taken.
     let text = b"G04 P20000\nM31\nM30".to_vec();
     rig.add_program(program_from_bytes(1_002, "O1002.NC", text, rig.kind().dialect()));
     tell(&mut rig, "load O1002\nmode auto\nkey cycle-start\nwait 5 s");
-    assert_eq!(rig.snapshot().production.stop_reason, None);
-    rig.send(explain(Some(StopReason::NoParts)));
+    assert_eq!(rig.snapshot().production.downtime_reason, None);
+    rig.send(explain(Some(DowntimeReason::NoParts)));
     tell(&mut rig, "wait 0.1 s");
-    assert_eq!(rig.snapshot().production.stop_reason, None);
+    assert_eq!(rig.snapshot().production.downtime_reason, None);
     assert!(rig.snapshot().message.text.zh().contains("机床在运行"), "{}", rig.snapshot().message.text.zh());
     tell(&mut rig, "wait until idle max 60 s\nwait 20 s");
-    assert_eq!(explained(&mut rig, StopReason::NoParts), [0, 0]);
+    assert_eq!(explained(&mut rig, DowntimeReason::NoParts), [0, 0]);
     // It is stored: a power cut keeps what was said.
     let kept: Vec<_> = rig.retained().hours.iter().map(|record| record.explained).collect();
-    assert!(kept.iter().any(|explained| explained[StopReason::Repair as usize] >= 599), "{kept:?}");
+    assert!(kept.iter().any(|explained| explained[DowntimeReason::Repair as usize] >= 599), "{kept:?}");
+}
+
+/// Idle, then an alarm, then a held program, over the full hour, with a short move of the set-up in between: the reason
+/// holds on, and no hour has more reasons than it stood. A clock that is set back gives nothing to other stops.
+#[test]
+fn b6_a_reason_outlives_moves_of_the_set_up_and_never_exceeds_the_stop() {
+    let mut rig = shop();
+    let reason = |reason| Command::Page(PageCommand::SetDowntimeReason(reason));
+    // Without a date nothing is recorded, and that is said.
+    rig.send(reason(Some(DowntimeReason::SetUp)));
+    tell(&mut rig, "wait 0.1 s");
+    assert!(rig.snapshot().message.text.zh().contains("没有日期"), "{}", rig.snapshot().message.text.zh());
+    let eight = DateTime::parse("2026-11-28 08:00:00").expect("a date");
+    rig.send(Command::WallClock(DateTime(eight.0 - 100)));
+    tell(&mut rig, "wait 50.3 s\nfault drive-X\nwait 20.7 s");
+    rig.send(reason(Some(DowntimeReason::SetUp)));
+    tell(&mut rig, "wait 0.4 s\nfault drive-X off\nkey reset\nwait 40.6 s\nhome all\nmode mdi\nmdi G04 P3000");
+    assert_eq!(rig.snapshot().production.downtime_reason, Some(DowntimeReason::SetUp), "MDI is set-up");
+    tell(&mut rig, "wait until idle max 20 s\nwait 30.9 s");
+    for record in rig.snapshot().production.hours.iter() {
+        let stood = record.seconds_on() - record.seconds[MachineUse::Running as usize];
+        assert!(record.explained.iter().sum::<u32>() <= stood, "{record:?}");
+        assert!(record.explained[DowntimeReason::SetUp as usize] + 12 >= stood, "{record:?}");
+    }
+    // The clock goes back by three hours; the stop has begun after that hour.
+    let before = rig.snapshot().production.hours.to_vec();
+    rig.send(Command::WallClock(DateTime(eight.0 - 10_800)));
+    rig.send(reason(None));
+    tell(&mut rig, "wait 60 s");
+    rig.send(reason(Some(DowntimeReason::Break)));
+    tell(&mut rig, "wait 1 s");
+    for record in before {
+        let now = rig.snapshot().production.hours.iter().find(|hour| hour.hour == record.hour).copied();
+        let now = now.expect("kept");
+        assert_eq!(now.explained[DowntimeReason::Break as usize], 0, "{now:?}");
+    }
 }
 
 /// A month later an hour takes the slot of the one before.

@@ -6,9 +6,9 @@ use std::fs;
 use egui_kittest::kittest::Queryable;
 use kt830::defs::alarm_history::{AlarmEnd, AlarmHistory, PastAlarm};
 use kt830::defs::date::DateTime;
+use kt830::defs::downtime_reason::DowntimeReason;
 use kt830::defs::page::Page;
 use kt830::defs::production_order::OrderState;
-use kt830::defs::stop_reason::StopReason;
 use kt830::defs::text::LocalizedText;
 use kt830::host::folders::program_from_bytes;
 use kt830::link::Command;
@@ -276,23 +276,28 @@ fn b6_the_operator_says_why_the_machine_stands() {
         (0..2).for_each(|_| screen.step());
     };
     touch(&mut screen, "班次 jobs-shifts");
-    assert!(painted(&screen).iter().any(|text| text == "停机原因 (操作者) · 未说明 123 min"), "{:?}", painted(&screen));
+    assert!(painted(&screen).iter().any(|text| text == "停机原因 min · 未说明 123"), "{:?}", painted(&screen));
     let given = |screen: &mut Screen| {
         let sent = std::mem::take(&mut screen.state_mut().sent);
         sent.into_iter().find_map(|command| match command {
-            Command::Page(PageCommand::ExplainStop(reason)) => Some(reason),
+            Command::Page(PageCommand::SetDowntimeReason(reason)) => Some(reason),
             _ => None,
         })
     };
-    touch(&mut screen, "缺料  30 min stop-no-parts");
-    assert_eq!(given(&mut screen), Some(Some(StopReason::NoParts)));
+    touch(&mut screen, "缺料 30 downtime-no-parts");
+    assert_eq!(given(&mut screen), Some(Some(DowntimeReason::NoParts)));
     // The reason that holds is lit; a touch of it takes it back.
-    screen.state_mut().snapshot.production.stop_reason = Some(StopReason::Repair);
+    screen.state_mut().snapshot.production.downtime_reason = Some(DowntimeReason::Repair);
     screen.step();
-    touch(&mut screen, "维修  5 min stop-repair");
+    touch(&mut screen, "维修 5 downtime-repair");
     assert_eq!(given(&mut screen), Some(None));
-    touch(&mut screen, "休息 stop-break");
-    assert_eq!(given(&mut screen), Some(Some(StopReason::Break)));
+    touch(&mut screen, "休息 downtime-break");
+    assert_eq!(given(&mut screen), Some(Some(DowntimeReason::Break)));
+    // A reason is given for now: the keys of the day before only show.
+    touch(&mut screen, "前一天 day-before");
+    assert!(!painted(&screen).iter().any(|text| text == "缺料 30"), "{:?}", painted(&screen));
+    touch(&mut screen, "缺料 downtime-no-parts");
+    assert_eq!(given(&mut screen), None);
 }
 
 /// An alarm that stood from 9:00 to 9:20, twice another one for a minute each, one of the day before.

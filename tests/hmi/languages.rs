@@ -4,8 +4,9 @@ use crate::stories::ready_of;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, LanguageFile, Translation, TranslationRow};
-use kt830::hmi::page_text as painted_text;
+use kt830::hmi::{HelpEntry, help_entries, page_text as painted_text};
 use kt830::link::Command;
+use kt830::store::AddedLanguages;
 
 /// A language in which every letter is `ж`: what is not in it was not taken from the table.
 fn strange() -> Lang {
@@ -63,4 +64,19 @@ fn h9_an_added_language_reaches_every_text_of_every_page() {
         }
     }
     assert!(wrong.is_empty(), "{} texts:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn h9_the_search_finds_the_words_of_an_added_language() {
+    let german = AddedLanguages::shipped().languages.into_iter().find(|language| language.code == "de").unwrap();
+    let lang = Lang::Added(german.keep());
+    let mut entries = help_entries(Kind::Gc);
+    let found = |entries: &[HelpEntry], words: &str| entries.iter().filter(|entry| entry.matches(words)).count();
+    assert_eq!(found(&entries, "abrichtpunkt"), 0);
+    entries.iter_mut().for_each(|entry| entry.add_language(lang));
+    assert!(found(&entries, "abrichtpunkt") > 3 && found(&entries, "dressing point") > 3);
+    // A word in the name comes before one in the text.
+    let best =
+        entries.iter().filter(|entry| entry.matches("reitstock vor")).min_by_key(|entry| entry.rank("reitstock vor"));
+    assert!(best.unwrap().name.get(lang).to_lowercase().contains("reitst"), "{}", best.unwrap().name.get(lang));
 }

@@ -8,6 +8,7 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::soft_key::{self, ROWS as SOFT_ROWS, SoftKeyAction};
 use kt830::link::Command;
+use kt830::link::snapshot::RunState;
 
 use crate::operators::{Hand, Operator};
 use crate::screen::{Screen, open, painted};
@@ -119,7 +120,8 @@ fn k7_1_the_map_shows_all_pages_and_a_touch_opens_one() {
         (0..2).for_each(|_| screen.step());
         let rows = soft_key::row_count(true);
         for row in 0..rows {
-            for (index, soft) in soft_key::row(kind, row).enumerate() {
+            let pages = soft_key::row(kind, row).filter(|soft| soft.action.opens_page());
+            for (index, soft) in pages.enumerate() {
                 let name = format!("{} map-{}-{}", soft.label.zh, row + 1, index + 1);
                 assert!(screen.query_by_label(&name).is_some(), "{name} on {kind:?}");
             }
@@ -167,4 +169,48 @@ fn k7_1_the_map_is_used_by_keyboard_and_covers_the_page() {
     assert!(screen.query_by_label("图形 map-2-3").is_some());
     key(&mut screen, egui::Key::F6, egui::Modifiers::CTRL);
     assert!(screen.query_by_label("图形 map-2-3").is_none());
+}
+
+/// A stopped program of a lathe continues by F1 in every row: the map has pages alone, so that it starts nothing.
+#[test]
+fn k7_1_the_map_of_a_stopped_lathe_starts_nothing() {
+    for page in Page::ALL.iter().copied().filter(|page| page.exists_on(Kind::Lathe)) {
+        let mut machine = crate::sample::snapshot(page);
+        (machine.kind, machine.state) = (Kind::Lathe, RunState::Stopped);
+        let mut screen = open(machine);
+        screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::F6);
+        screen.step();
+        screen.key_press(egui::Key::Enter);
+        let all = sent(&mut screen);
+        assert!(
+            !all.iter().any(|command| command.starts_with("Press") || command.contains("Start")),
+            "{page:?}: {all:?}"
+        );
+        if screen.query_by_label_contains("close-map").is_none() {
+            screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::F6);
+            screen.step();
+        }
+        assert!(
+            screen.query_by_label_contains("继续 map-").is_none()
+                && screen.query_by_label_contains("屏幕打印 map-").is_none()
+        );
+    }
+}
+
+/// Whatever opens a page closes the map, also the page that is open already; Space is feed hold over it.
+#[test]
+fn k7_1_an_opened_page_closes_the_map() {
+    let mut screen = open(crate::sample::snapshot(Page::Alarm));
+    let key = |screen: &mut Screen, key: egui::Key, modifiers: egui::Modifiers| {
+        screen.key_press_modifiers(modifiers, key);
+        (0..2).for_each(|_| screen.step());
+    };
+    key(&mut screen, egui::Key::F6, egui::Modifiers::CTRL);
+    key(&mut screen, egui::Key::F7, egui::Modifiers::NONE);
+    assert!(screen.query_by_label_contains("map-2-3").is_none());
+    let mut screen = open(crate::sample::snapshot(Page::Mdi));
+    key(&mut screen, egui::Key::F6, egui::Modifiers::CTRL);
+    key(&mut screen, egui::Key::Space, egui::Modifiers::NONE);
+    let all = sent(&mut screen);
+    assert!(all.iter().any(|command| command == "Press(FeedHold)"), "{all:?}");
 }

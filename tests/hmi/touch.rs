@@ -2,11 +2,13 @@
 
 use egui::{Event, Modifiers, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use kt830::defs::key::Key;
+use kt830::defs::key::{Key, KeyGroup};
+use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::soft_key::CoordinateView;
 use kt830::hmi::theme;
 use kt830::link::Command;
+use kt830::link::page_command::PageCommand;
 
 use crate::sample::snapshot;
 use crate::screen::{Screen, open, painted};
@@ -25,11 +27,12 @@ fn finger(screen: &mut Screen, pos: Pos2, pressed: Option<bool>) {
     screen.step();
 }
 
-/// A swipe from a place by a way, with a rest of some frames under way; the pages that it opens.
+/// A swipe from a place by a way, with a rest of some frames under way; what it sends.
 fn swipe(screen: &mut Screen, from: Pos2, way: egui::Vec2, rest: usize) -> Vec<Command> {
     screen.state_mut().sent.clear();
     finger(screen, from, Some(true));
     wait(screen, rest);
+    // The harness gives each event a frame of its own: the finger has moved before it is lifted.
     finger(screen, from + way, Some(false));
     std::mem::take(&mut screen.state_mut().sent)
 }
@@ -99,8 +102,12 @@ fn h9_a_swipe_over_keys_and_rows_presses_none() {
         let mut screen = open(snapshot(*page));
         for from in [pos2(500.0, 120.0), MIDDLE, pos2(500.0, 560.0)] {
             for command in swipe(&mut screen, from, LEFT, 0) {
-                let turns = matches!(command, Command::OpenPage(_) | Command::ShowCoordinates(_) | Command::Page(_));
-                assert!(turns && !matches!(command, Command::Press(_)), "{page:?} {from:?}: {command:?}");
+                // A page may ask for its files.
+                let turns = matches!(
+                    command,
+                    Command::OpenPage(_) | Command::ShowCoordinates(_) | Command::Page(PageCommand::File(..))
+                );
+                assert!(turns, "{page:?} {from:?}: {command:?}");
             }
         }
     }
@@ -112,12 +119,12 @@ fn h9_a_long_touch_explains_a_key_and_does_not_press_it() {
     let place =
         |screen: &Screen, key: Key| screen.get_by_label(&format!("{} {}", key.label().zh, key.id())).rect().center();
     let explained = |screen: &Screen| painted(screen).iter().any(|text| text.contains("短按才执行"));
-    let key = place(&screen, Key::Coolant);
+    let key = place(&screen, Key::Lubrication);
     // The slow touch of a glove presses.
     finger(&mut screen, key, Some(true));
     wait(&mut screen, 3);
     finger(&mut screen, key, Some(false));
-    assert_eq!(sent(&mut screen), ["Press(Coolant)", "Release(Coolant)"]);
+    assert_eq!(sent(&mut screen), ["Press(Lubrication)", "Release(Lubrication)"]);
     assert!(!explained(&screen));
     // A long one explains, and nothing is sent when it ends.
     finger(&mut screen, key, Some(true));
@@ -129,7 +136,7 @@ fn h9_a_long_touch_explains_a_key_and_does_not_press_it() {
     // The next touch is a press again.
     finger(&mut screen, key, Some(true));
     finger(&mut screen, key, Some(false));
-    assert_eq!(sent(&mut screen), ["Press(Coolant)", "Release(Coolant)"]);
+    assert_eq!(sent(&mut screen), ["Press(Lubrication)", "Release(Lubrication)"]);
     // Keys that act at once are not explained: feed hold must not wait.
     let mut screen = open(snapshot(Page::Position));
     let hold = place(&screen, Key::FeedHold);
@@ -137,6 +144,30 @@ fn h9_a_long_touch_explains_a_key_and_does_not_press_it() {
     assert_eq!(sent(&mut screen), ["Press(FeedHold)"]);
     wait(&mut screen, 8);
     assert!(!explained(&screen));
+}
+
+/// Keys that stop, retract or slow act however long the finger rests; so does a key that switches off. A jog key moves at
+/// once and is never explained.
+#[test]
+fn h9_a_long_touch_of_a_key_that_stops_is_a_press() {
+    for key in Key::ALL.iter().copied().filter(|key| key.exists_on(Kind::Gc)) {
+        let mut screen = open(snapshot(Page::Alarm));
+        let label = format!("{} {}", key.label().zh, key.id());
+        let Some(place) = screen.query_by_label(&label).map(|node| node.rect().center()) else { continue };
+        finger(&mut screen, place, Some(true));
+        wait(&mut screen, 8);
+        finger(&mut screen, place, Some(false));
+        let said = sent(&mut screen);
+        let pressed = said.iter().any(|what| *what == format!("Press({key:?})") || what.starts_with("EmergencyStop"));
+        let stops = matches!(
+            key,
+            Key::WheelStop | Key::HeadstockStop | Key::WheelRetract | Key::FeedHold | Key::Reset | Key::EmergencyStop
+        );
+        let slows = key.row().group == KeyGroup::Override;
+        let moves = key.jog_direction().is_some();
+        let is_on = screen.state().snapshot.key(key).lamp;
+        assert_eq!(pressed, stops || slows || moves || is_on, "{key:?}: {said:?}");
+    }
 }
 
 /// Whether the veil of a page that fades in lies over it.

@@ -4,9 +4,10 @@ use super::{Panel, Parts, run_state};
 use crate::controller::plant::Plant;
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::date::DateTime;
+use crate::defs::downtime_reason::DowntimeReason;
 use crate::defs::history::HistoryEntry;
 use crate::defs::hour_record::{HourHistory, HourRecord, MachineUse};
-use crate::defs::stop_reason::StopReason;
+use crate::defs::key::Mode;
 use crate::defs::text::Text;
 use crate::link::snapshot::RunState;
 use crate::units::Micros;
@@ -18,12 +19,15 @@ const STORE_INTERVAL: Micros = Micros::from_millis(300_000);
 /// A reason is given for the stop so far, up to so many hours back.
 const LONGEST_EXPLAINED_HOURS: u64 = 24;
 
+const NO_DATE: Text = Text::new("没有日期：不记录停机原因", "no date is known: no reason is recorded");
 const RUNS: Text = Text::new("机床在运行：停机原因在停机时给出", "the machine runs: a reason is given while it stands");
 
 /// A stop that goes on.
 #[derive(Clone, Copy, Default)]
 struct Stop {
-    reason: Option<StopReason>,
+    /// The hour in which it began.
+    since: u64,
+    reason: Option<DowntimeReason>,
     /// How much of it has no reason.
     unexplained: Micros,
 }
@@ -34,8 +38,8 @@ pub struct HourLog {
     hours: HourHistory,
     /// Times that no hour has yet, by [`MachineUse::ALL`].
     pending: [Micros; MachineUse::ALL.len()],
-    /// Times with a reason that no hour has yet, by [`StopReason::ALL`].
-    pending_explained: [Micros; StopReason::ALL.len()],
+    /// Times with a reason that no hour has yet, by [`DowntimeReason::ALL`].
+    pending_explained: [Micros; DowntimeReason::ALL.len()],
     /// The stop that goes on; none while the machine runs.
     stop: Option<Stop>,
     folded_at: Micros,
@@ -91,31 +95,33 @@ impl HourLog {
         }
     }
 
-    /// One tick of a use. Without a date nothing is counted.
-    fn step(&mut self, plant: &mut Plant, date: Option<DateTime>, now_is: MachineUse) {
+    /// One tick of a use. Without a date nothing is counted. `ends_stop`: a program runs by itself.
+    fn step(&mut self, plant: &mut Plant, date: Option<DateTime>, (now_is, ends_stop): (MachineUse, bool)) {
         let hour = date.and_then(HourRecord::hour_of);
         if hour.is_none() || hour != self.hour {
             self.fold(plant, true);
             self.hour = hour;
         }
-        if hour.is_none() {
+        let Some(hour) = hour else {
+            self.stop = None;
             return;
-        }
+        };
         let tick = plant.axes.tick_time();
         self.pending[now_is as usize] = self.pending[now_is as usize] + tick;
-        self.follow_stop(now_is, tick);
+        match (ends_stop, now_is) {
+            (true, _) => self.stop = None,
+            // A move of the set-up belongs to the stop, and its time to the run.
+            (false, MachineUse::Running) => {}
+            (false, MachineUse::Waiting | MachineUse::Alarm | MachineUse::Idle) => self.follow_stop(hour, tick),
+        }
         if plant.now.since(self.folded_at) >= FOLD_INTERVAL {
             let store = plant.now.since(self.stored_at) >= STORE_INTERVAL;
             self.fold(plant, store);
         }
     }
 
-    fn follow_stop(&mut self, now_is: MachineUse, tick: Micros) {
-        if now_is == MachineUse::Running {
-            self.stop = None;
-            return;
-        }
-        let stop = self.stop.get_or_insert_default();
+    fn follow_stop(&mut self, hour: u64, tick: Micros) {
+        let stop = self.stop.get_or_insert(Stop { since: hour, ..Stop::default() });
         match stop.reason {
             Some(reason) => {
                 let time = &mut self.pending_explained[reason as usize];
@@ -126,19 +132,21 @@ impl HourLog {
     }
 
     /// The reason that the operator has given for the stop that goes on.
-    pub fn stop_reason(&self) -> Option<StopReason> {
+    pub fn downtime_reason(&self) -> Option<DowntimeReason> {
         self.stop.and_then(|stop| stop.reason)
     }
 
     /// Gives the stop that goes on a reason, for what of it has none and from now on; or takes the reason away from now on.
-    fn explain(&mut self, plant: &mut Plant, date: Option<DateTime>, reason: Option<StopReason>) -> Result<(), Text> {
-        self.fold(plant, true);
+    fn explain(&mut self, plant: &mut Plant, reason: Option<DowntimeReason>) -> Result<(), Text> {
+        let now = self.hour.ok_or(NO_DATE)?;
         let stop = self.stop.as_mut().ok_or(RUNS)?;
         stop.reason = reason;
-        let (Some(reason), Some(date)) = (reason, date) else { return Ok(()) };
-        let mut seconds = (std::mem::take(&mut stop.unexplained).0 / 1_000_000) as u32;
-        let Some(now) = HourRecord::hour_of(date) else { return Ok(()) };
-        for hour in (now.saturating_sub(LONGEST_EXPLAINED_HOURS)..=now).rev() {
+        let (since, unexplained) = (stop.since, stop.unexplained);
+        let Some(reason) = reason else { return Ok(()) };
+        stop.unexplained = Micros::ZERO;
+        self.fold(plant, true);
+        let mut seconds = whole_seconds(unexplained);
+        for hour in (since.max(now.saturating_sub(LONGEST_EXPLAINED_HOURS))..=now).rev() {
             let known = self.hours.iter().find(|record| record.hour == hour);
             let here = known.map_or(0, HourRecord::seconds_unexplained).min(seconds);
             if here > 0 {
@@ -158,8 +166,11 @@ impl HourLog {
         let times = self.pending.iter_mut().zip(seconds).chain(self.pending_explained.iter_mut().zip(explained));
         times.for_each(|(time, seconds)| time.0 -= u64::from(seconds) * 1_000_000);
         let record = self.change(hour, |record| {
-            let now = HourRecord { seconds, explained, ..HourRecord::default() };
-            record.add(&now);
+            record.add(&HourRecord { seconds, ..HourRecord::default() });
+            // Fractions of seconds wait by use and by reason: an hour never has more reasons than it stood.
+            for (index, more) in explained.into_iter().enumerate() {
+                record.explained[index] += more.min(record.seconds_unexplained());
+            }
         });
         if store {
             self.stored_at = plant.now;
@@ -175,9 +186,8 @@ const fn whole_seconds(time: Micros) -> u32 {
 
 impl Panel {
     /// The operator says why the machine stands.
-    pub fn explain_stop(&mut self, parts: &mut Parts<'_>, reason: Option<StopReason>) {
-        let date = self.calendar.date(parts.plant.now);
-        if let Err(why) = self.production.hours.explain(parts.plant, date, reason) {
+    pub fn set_downtime_reason(&mut self, parts: &mut Parts<'_>, reason: Option<DowntimeReason>) {
+        if let Err(why) = self.production.hours.explain(parts.plant, reason) {
             parts.plant.refuse(why);
         }
     }
@@ -189,13 +199,15 @@ impl Panel {
 
     /// Counts what the machine does in this tick.
     pub fn follow_hours(&mut self, parts: &mut Parts<'_>) {
-        let now_is = match run_state(parts.view()) {
+        let state = run_state(parts.view());
+        let ends_stop = state == RunState::Running && parts.plant.operator.mode == Mode::Auto;
+        let now_is = match state {
             RunState::Running | RunState::Homing => MachineUse::Running,
             RunState::Held | RunState::Stopped | RunState::Waiting => MachineUse::Waiting,
             RunState::Alarm => MachineUse::Alarm,
             RunState::Idle => MachineUse::Idle,
         };
         let date = self.calendar.date(parts.plant.now);
-        self.production.hours.step(parts.plant, date, now_is);
+        self.production.hours.step(parts.plant, date, (now_is, ends_stop));
     }
 }

@@ -95,7 +95,7 @@ impl Panel {
             }
             PageCommand::TakeDressPoint(axis, shown) => parts.manual.take_dress_point(parts.plant, *axis, *shown),
             PageCommand::ClearDressPoints => parts.manual.clear_dress_points(parts.plant),
-            PageCommand::ExplainStop(reason) => self.explain_stop(parts, *reason),
+            PageCommand::SetDowntimeReason(reason) => self.set_downtime_reason(parts, *reason),
             PageCommand::File(ticket, request) => self.handle_file_request(parts, *ticket, request),
             PageCommand::StorageAnswered(answer) => self.handle_page_answer(parts, answer),
         }

@@ -79,7 +79,7 @@ impl Production {
     pub fn write_view(&self, out: &mut ProductionView) {
         out.parts.copy_from(&self.parts);
         out.hours.copy_from(self.hours.history());
-        out.stop_reason = self.hours.stop_reason();
+        out.downtime_reason = self.hours.downtime_reason();
         if out.orders != self.orders {
             out.orders.clone_from(&self.orders);
         }

@@ -149,6 +149,9 @@ impl Template {
     }
 }
 
+/// Most digits of a number; a larger form is a mistake of a template.
+const MAX_DIGITS: usize = 16;
+
 /// How a number is written: the part of a placeholder after the colon, as in `format!`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NumberForm {
@@ -163,7 +166,8 @@ impl NumberForm {
     pub(super) fn parse(form: &str) -> Self {
         let (plus, rest) = form.strip_prefix('+').map_or((false, form), |rest| (true, rest));
         let (width, decimals) = rest.split_once('.').map_or((rest, None), |(width, decimals)| (width, Some(decimals)));
-        Self { plus, width: width.parse().unwrap_or(0), decimals: decimals.and_then(|digits| digits.parse().ok()) }
+        let decimals = decimals.and_then(|digits| digits.parse().ok()).map(|digits: usize| digits.min(MAX_DIGITS));
+        Self { plus, width: width.parse().unwrap_or(0).min(MAX_DIGITS), decimals }
     }
 
     fn write(self, out: &mut String, value: f64) -> fmt::Result {

@@ -3,7 +3,7 @@
 //! Chinese and English stand beside each other where a text is used, so that the compiler holds them together. A third
 //! language is a table by both: what it lacks is shown in English. Source: spec H9.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
@@ -14,7 +14,7 @@ use super::{LocalizedText, phrase};
 /// Maximum length of the code of a language, characters.
 pub const MAX_CODE: usize = 8;
 /// Maximum length of the name of a language, characters: it stands on a key.
-pub const MAX_NAME: usize = 12;
+pub const MAX_NAME: usize = 10;
 
 /// A row of a language file: Chinese, English, and the words of the language; empty where it has none yet.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,16 +51,18 @@ impl Translation {
         let LanguageFile { code, name, texts } = file;
         if !is_code(&code) {
             return Err(phrase!(
-                "语言代码“{code}”应为 2 到 8 个小写字母（ISO 639），且不是 zh、en",
-                "the code '{code}' of the language should be 2 to 8 small letters (ISO 639), and not zh or en",
-                code
+                "语言代码“{code}”应为 2 到 {most} 个小写字母（ISO 639），且不是 zh、en",
+                "the code '{code}' of the language should be 2 to {most} small letters (ISO 639), and not zh or en",
+                code,
+                most = MAX_CODE
             ));
         }
         if name.trim().is_empty() || name.chars().count() > MAX_NAME {
             return Err(phrase!(
-                "语言名称“{name}”应有 1 到 12 个字符",
-                "the name '{name}' of the language should have 1 to 12 characters",
-                name
+                "语言名称“{name}”应有 1 到 {most} 个字符",
+                "the name '{name}' of the language should have 1 to {most} characters",
+                name,
+                most = MAX_NAME
             ));
         }
         let (mut made, mut faults) = (Self { code, name, rows: HashMap::new() }, Vec::new());
@@ -124,10 +126,11 @@ fn is_code(code: &str) -> bool {
     letters && (2..=MAX_CODE).contains(&code.len()) && !["zh", "en"].contains(&code)
 }
 
-/// The placeholders of a template, each as it is written: `{axis}`, `{value:.3}`.
-fn placeholders(text: &str) -> BTreeSet<&str> {
-    let parts = text.split('{').skip(1).filter_map(|part| part.split_once('}'));
-    parts.map(|(inside, _)| inside.split(':').next().unwrap_or(inside)).collect()
+/// The placeholders of a template, each as it is written, in order: `axis`, `value:.3`.
+fn placeholders(text: &str) -> Vec<&str> {
+    let mut found: Vec<_> = text.split('{').skip(1).map(|part| part.split('}').next().unwrap_or(part)).collect();
+    found.sort_unstable();
+    found
 }
 
 impl fmt::Debug for Translation {

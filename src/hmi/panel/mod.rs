@@ -9,7 +9,7 @@ use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 use self::layout::PanelLayout;
 use crate::defs::key::Key;
 use crate::defs::text::Text;
-use crate::hmi::key_press::KeyPresses;
+use crate::hmi::key_press::{self, KeyPresses};
 use crate::hmi::keycap::{self, Keycap};
 use crate::hmi::page::start_strip;
 use crate::hmi::pictogram::{self, PictogramShape};
@@ -163,6 +163,9 @@ pub fn key_ui(view: &View<'_>, key: Key, rect: Rect, presses: &mut KeyPresses, o
     let state = key_state(view, key);
     let name = || keycap::accessible_name(key, view.lang);
     response.widget_info(|| WidgetInfo::selected(Role::Button, state.blocked.is_none(), state.lamp, name()));
+    if key_press::is_explained(key, state.lamp) {
+        presses.explain_long(view.ui.input(|input| input.time), key);
+    }
     let before = out.len();
     let pressed = presses.track_touch(view.ui, &response, rect, key, out) || presses.is_down(key);
     let face = KeycapState { on: state.lamp, pending: state.pending, blocked: state.blocked.is_some(), pressed };

@@ -121,6 +121,8 @@ pub struct HelpEntry {
     pub paragraphs: Paragraphs,
     /// All texts in lower case, for the search.
     search_text: String,
+    /// Its name in an added language in lower case; empty in the languages of the control.
+    added_name: String,
 }
 
 impl HelpEntry {
@@ -131,7 +133,13 @@ impl HelpEntry {
             search_text.push_str(&format!(" {} {}", text.zh(), text.en()));
         }
         let search_text = search_text.to_lowercase();
-        Self { section, topic, id, code, name, paragraphs, search_text }
+        Self { section, topic, id, code, name, paragraphs, search_text, added_name: String::new() }
+    }
+
+    /// Its words in an added language are found, too.
+    pub fn add_language(&mut self, lang: Lang) {
+        self.added_name = self.name.get(lang).to_lowercase();
+        self.search_text.push_str(&format!(" {} {}", self.added_name, self.text(lang).to_lowercase()));
     }
 
     /// Whether the entry contains every word of a search. Case-insensitive.
@@ -142,7 +150,8 @@ impl HelpEntry {
     /// Rank in a search, 0 is best: its own code, then whole words in name or text, then parts of words.
     pub fn rank(&self, search: &str) -> u8 {
         let search = search.trim().to_lowercase();
-        let (sign, name) = (self.code.to_lowercase(), format!("{} {}", self.name.zh(), self.name.en()).to_lowercase());
+        let name = format!("{} {} {}", self.name.zh(), self.name.en(), self.added_name).to_lowercase();
+        let sign = self.code.to_lowercase();
         let all_in = |text: &str| search.split_whitespace().all(|word| contains_word(text, word));
         match () {
             () if sign == search => 0,

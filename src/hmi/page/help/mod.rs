@@ -17,7 +17,7 @@ use crate::defs::favourite::Favourite;
 use crate::defs::fitted::Fitted;
 use crate::defs::page::Page;
 use crate::defs::soft_key::SoftKeyAction;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{Lang, LocalizedText};
 use crate::hmi::{
     Area, EditKey, KeyboardInput, LetterKey, PageKey, Search, SearchTouch, View, letter_pad, round_to_lines, theme,
     widget,
@@ -61,6 +61,8 @@ pub struct Help {
     fixed: usize,
     known: usize,
     machine: Option<Fitted>,
+    /// The language whose words the search knows beside Chinese and English.
+    lang: Lang,
     section: Section,
     /// The keyboard map is shown instead of a section.
     keyboard_map_open: bool,
@@ -100,9 +102,7 @@ impl Help {
         self.load_entries(view);
         (self.keyboard_map_open, self.search.open) = (false, false);
         self.search.text.clear();
-        self.entries.truncate(self.fixed);
-        self.entries.extend(entries::changing_entries(view.snapshot));
-        self.known = self.entries.len();
+        self.load_changing(view);
         let (section, about) = match alarm {
             Some(number) => (Section::Alarms, HelpTopic::for_alarm(number)),
             None => (Section::Pages, HelpTopic::Page(page)),
@@ -118,12 +118,28 @@ impl Help {
     }
 
     fn load_entries(&mut self, view: &View<'_>) {
-        let machine = view.snapshot.fitted();
-        if self.machine != Some(machine) {
-            self.machine = Some(machine);
+        let (machine, lang) = (view.snapshot.fitted(), view.lang);
+        if (self.machine, self.lang) != (Some(machine), lang) {
+            (self.machine, self.lang) = (Some(machine), lang);
             self.entries = entries(machine);
+            self.add_language(0);
             (self.fixed, self.known) = (self.entries.len(), self.entries.len());
             self.refresh_list();
+        }
+    }
+
+    /// Loads what may have changed since: programs, values of the page.
+    fn load_changing(&mut self, view: &View<'_>) {
+        self.entries.truncate(self.fixed);
+        self.entries.extend(entries::changing_entries(view.snapshot));
+        self.add_language(self.fixed);
+        self.known = self.entries.len();
+    }
+
+    /// The search finds the words of an added language, too, from an entry on.
+    fn add_language(&mut self, from: usize) {
+        if let lang @ Lang::Added(_) = self.lang {
+            self.entries.iter_mut().skip(from).for_each(|entry| entry.add_language(lang));
         }
     }
 

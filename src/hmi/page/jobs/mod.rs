@@ -175,8 +175,8 @@ impl JobsPage {
         let touched =
             shifts::ui(body.trim_bottom(theme::GAP), view, shifts::day_of(view.snapshot, back), &mut self.walk);
         out.extend(touched.map(|reason| {
-            let given = Some(reason).filter(|reason| view.snapshot.production.stop_reason != Some(*reason));
-            Command::Page(PageCommand::ExplainStop(given))
+            let given = Some(reason).filter(|reason| view.snapshot.production.downtime_reason != Some(*reason));
+            Command::Page(PageCommand::SetDowntimeReason(given))
         }));
         let words = [DayKey::Before, DayKey::After, DayKey::Save];
         let words = words.map(|key| PageKey::new(key.id(), key.label().get(view.lang)));

@@ -8,9 +8,9 @@ use super::oee::{Oee, PlannedCycles};
 use crate::defs::alarm::{self, Reaction};
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::date::DateTime;
+use crate::defs::downtime_reason::DowntimeReason;
 use crate::defs::hour_record::{HourRecord, MachineUse};
 use crate::defs::param;
-use crate::defs::stop_reason::StopReason;
 use crate::defs::text::LocalizedText;
 use crate::hmi::{Area, KeyboardFocus, PageKey, View, theme, widget};
 use crate::link::Snapshot;
@@ -86,7 +86,7 @@ fn sum(hours: &[HourRecord]) -> HourRecord {
 }
 
 /// Draws a day; returns the reason for a stop that is touched.
-pub fn ui(rect: Rect, view: &View<'_>, day: Option<u64>, walk: &mut KeyboardFocus) -> Option<StopReason> {
+pub fn ui(rect: Rect, view: &View<'_>, day: Option<u64>, walk: &mut KeyboardFocus) -> Option<DowntimeReason> {
     let Some(day) = day else {
         let words = view.text(
             "还没有记录：控制系统知道日期后，按小时记录运行、等待、报警和件数。",
@@ -103,31 +103,34 @@ pub fn ui(rect: Rect, view: &View<'_>, day: Option<u64>, walk: &mut KeyboardFocu
     shift_table(table.trim_bottom(theme::GAP), view, day);
     let (alarms, stops) = reasons.split_left_right_at_fraction(0.5);
     show_reasons(alarms.trim_right(theme::GAP / 2.0), view, day);
-    stop_reasons(stops.trim_left(theme::GAP / 2.0), view, day, walk)
+    downtime_reasons(stops.trim_left(theme::GAP / 2.0), view, day, walk)
 }
 
-/// The reasons that the operator gives, each a key with its time of the day; returns the one that is touched.
-fn stop_reasons(rect: Rect, view: &View<'_>, day: u64, walk: &mut KeyboardFocus) -> Option<StopReason> {
+/// The reasons that the operator gives, each a key with its minutes of the day; returns the one that is touched. A reason
+/// is given for now: the keys of a day before only show.
+fn downtime_reasons(rect: Rect, view: &View<'_>, day: u64, walk: &mut KeyboardFocus) -> Option<DowntimeReason> {
     view.card(rect);
     let inside = rect.shrink2(egui::vec2(theme::PAD, theme::GAP));
     let (head, keys) = inside.split_top(LINE_HEIGHT);
     let sum = sum(&hours_of(view.snapshot, day));
     let minutes = |seconds: u32| (seconds + 30) / 60;
-    let open = view.text("停机原因 (操作者) · 未说明", "stops, by the operator · not told");
-    let words = format!("{open} {} min", minutes(sum.seconds_unexplained()));
+    let open = view.text("停机原因 min · 未说明", "stops by the operator, min · not told");
+    let words = format!("{open} {}", minutes(sum.seconds_unexplained()));
     view.fit_left(head, &words, theme::SMALL, view.theme.muted);
     view.hairline(head, head.max.y - 0.5);
+    let is_today = day_of(view.snapshot, 0) == Some(day);
     let mut touched = None;
     let height = keys.height() / 2.0;
-    for (index, reason) in StopReason::ALL.into_iter().enumerate() {
+    for (index, reason) in DowntimeReason::ALL.into_iter().enumerate() {
         let line = keys.band((index / 3) as f32 * height, height).trim_top(theme::GAP);
-        let (name, label) = (format!("stop-{}", reason.id()), reason.name().get(view.lang));
+        let (name, label) = (format!("downtime-{}", reason.id()), reason.name().get(view.lang));
         let label = match minutes(sum.explained[reason as usize]) {
             0 => label.to_owned(),
-            time => format!("{label}  {time} min"),
+            time => format!("{label} {time}"),
         };
-        let key = PageKey::new(&name, &label).on(view.snapshot.production.stop_reason == Some(reason));
-        if walk.button(view, line.cell(index % 3, 3), key) {
+        let holds = is_today && view.snapshot.production.downtime_reason == Some(reason);
+        let key = PageKey::new(&name, &label).on(holds).locked(!is_today);
+        if walk.button(view, line.cell(index % 3, 3), key) && is_today {
             touched = Some(reason);
         }
     }
@@ -286,7 +289,7 @@ fn show_reasons(rect: Rect, view: &View<'_>, day: u64) {
 
 /// All hours that are kept, as CSV.
 pub fn csv(snapshot: &Snapshot) -> String {
-    let reasons: Vec<String> = StopReason::ALL.iter().map(|reason| format!("{}_s", reason.id())).collect();
+    let reasons: Vec<String> = DowntimeReason::ALL.iter().map(|reason| format!("{}_s", reason.id())).collect();
     let mut text = format!("hour,running_s,waiting_s,alarm_s,idle_s,good,bad,{}\r\n", reasons.join(","));
     let joined = |all: &[u32]| all.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
     for record in snapshot.production.hours.iter() {

@@ -4,7 +4,7 @@ use super::text::Text;
 
 /// A reason for a stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum StopReason {
+pub enum DowntimeReason {
     /// No parts to grind.
     NoParts,
     /// Set-up for another part.
@@ -19,7 +19,7 @@ pub enum StopReason {
     Break,
 }
 
-impl StopReason {
+impl DowntimeReason {
     /// All of them, in the order of the times of an hour.
     pub const ALL: [Self; 6] = [Self::NoParts, Self::SetUp, Self::Wheel, Self::Measuring, Self::Repair, Self::Break];
 
