@@ -1,7 +1,7 @@
 //! What a panel key does, over the foot of the page: the answer to a long touch, which does not press the key.
 //! Source: spec H9.
 
-use egui::{Id, Rect, Sense};
+use egui::{Event, Id, Rect, Sense};
 
 use super::{Area, View, theme};
 use crate::defs::key::Key;
@@ -25,9 +25,12 @@ impl Explanation {
         view.ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(SECONDS + 0.05));
     }
 
-    /// Draws the card, until its time is over or the next touch.
+    /// Draws the card, until its time is over or the next touch or key.
     pub fn ui(&mut self, view: &View<'_>, page: Rect) {
-        let (now, touched) = view.ui.input(|input| (input.time, input.pointer.any_pressed()));
+        let (now, touched) = view.ui.input(|input| {
+            let key = input.events.iter().any(|event| matches!(event, Event::Key { pressed: true, .. }));
+            (input.time, key || input.pointer.any_pressed())
+        });
         self.shown.take_if(|(_, since)| now - *since >= SECONDS || touched && now > *since);
         let Some((key, _)) = self.shown else { return };
         let card = page.split_bottom(HEIGHT).1.shrink(theme::GAP);
