@@ -55,6 +55,9 @@ pub struct SharedArgs {
     /// The languages of those files.
     #[arg(skip)]
     pub added_languages: Vec<&'static Translation>,
+    /// Something is wrong with one of them.
+    #[arg(skip)]
+    pub has_language_faults: bool,
     /// The language that holds: asked for, else stored, else Chinese.
     #[arg(skip)]
     pub lang: Lang,

@@ -102,6 +102,7 @@ fn read_languages(shared: &mut SharedArgs, stored: Option<&str>, opens_control: 
         folder.as_deref().map_or_else(AddedLanguages::shipped, AddedLanguages::read);
     let place = folder.map_or_else(|| "a folder".to_owned(), |folder| folder.display().to_string());
     faults.iter().for_each(|fault| warn_line!("kt830: language files: {}", fault.en()));
+    shared.has_language_faults = !faults.is_empty();
     shared.added_languages = languages.into_iter().map(Translation::keep).collect();
     let added = |code| shared.added_languages.iter().find(|added| added.code == code).map(|added| Lang::Added(added));
     let found = known.or_else(|| wanted.and_then(added));

@@ -49,7 +49,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     (0..SETTLE_TICKS).for_each(|_| host.step());
     // A page may send requests when it opens: the drawing its toolpath, the transfer page its media.
     let mut hmi = Hmi::new(shared.lang);
-    hmi.add_languages(&shared.added_languages);
+    hmi.add_languages(&shared.added_languages, shared.has_language_faults);
     hmi.set_light(shared.light || call.light);
     hmi.set_favourites(shared.favourites.clone());
     let mut stage = OffscreenHmi::new(hmi, call.size);

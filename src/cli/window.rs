@@ -122,8 +122,9 @@ fn open_with<P: HostedMachine + Send + 'static>(
 pub fn show(link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
     guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
     let (added_languages, favourites) = (shared.added_languages.clone(), shared.favourites.clone());
-    let SharedArgs { lang, light, brightness, .. } = *shared;
-    let options = WindowOptions { fullscreen, lang, added_languages, light, brightness, favourites };
+    let SharedArgs { lang, has_language_faults, light, brightness, .. } = *shared;
+    let options =
+        WindowOptions { fullscreen, lang, added_languages, has_language_faults, light, brightness, favourites };
     match run(Box::new(link), options) {
         Ok(()) => Ok(SUCCESS),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(

@@ -4,7 +4,7 @@
 use super::fitted::Fitted;
 use super::param::{AccessLevel, BITS, NUMBERS, ParamAddress, Params, is_port};
 use super::signal::{Input, Output, PORTS};
-use super::text::{LocalizedText, Text, phrase};
+use super::text::{LocalizedText, Template, Text, phrase};
 
 /// The type of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,7 +102,8 @@ fn output_port_name(output: Output) -> LocalizedText {
 }
 
 fn port_name(way: Text, name: Text) -> LocalizedText {
-    LocalizedText::new(format!("{}：{}", way.zh, name.zh), format!("{}: {}", way.en, name.en))
+    const OF_SIGNAL: &Template = &Template::new("{way}：{name}", "{way}: {name}", &["way", "name"]);
+    LocalizedText::phrase_of(OF_SIGNAL, [], [way.into(), name.into()])
 }
 
 /// The name of a parameter of what a machine is fitted with; `None` if it has none there.

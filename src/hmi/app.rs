@@ -57,6 +57,7 @@ pub struct Hmi {
     page_map: PageMap,
     favourites: Arc<[Favourite]>,
     languages: Arc<[Lang]>,
+    has_language_faults: bool,
     hint: Option<(Text, f64)>,
     explanation: Explanation,
     swipe: Swipe,
@@ -101,6 +102,7 @@ impl Hmi {
             page_map: PageMap::default(),
             favourites: Arc::default(),
             languages: Arc::new([Lang::Zh, Lang::En]),
+            has_language_faults: false,
             hint: None,
             explanation: Explanation::default(),
             swipe: Swipe::default(),
@@ -130,8 +132,10 @@ impl Hmi {
         self.favourites = favourites.into();
     }
 
-    /// The languages that the settings page offers beside Chinese and English.
-    pub fn add_languages(&mut self, added: &[&'static Translation]) {
+    /// The languages that the settings page offers beside Chinese and English, and whether something is wrong with their
+    /// files.
+    pub fn add_languages(&mut self, added: &[&'static Translation], has_faults: bool) {
+        self.has_language_faults = has_faults;
         let added = added.iter().map(|translation| Lang::Added(translation));
         self.languages = [Lang::Zh, Lang::En].into_iter().chain(added).collect();
     }
@@ -256,8 +260,22 @@ impl Hmi {
     fn view<'a>(&self, ui: &'a Ui, snapshot: &'a Snapshot, frame: &'a FrameScratch) -> View<'a> {
         let FrameScratch { theme, clock, favourites, languages, entry } = frame;
         let (painter, blink) = (ui.painter().clone(), blink_phase(snapshot.now));
-        let Self { lang, light, brightness, .. } = *self;
-        View { ui, painter, snapshot, lang, languages, theme, light, brightness, favourites, clock, blink, entry }
+        let Self { lang, has_language_faults, light, brightness, .. } = *self;
+        View {
+            ui,
+            painter,
+            snapshot,
+            lang,
+            languages,
+            has_language_faults,
+            theme,
+            light,
+            brightness,
+            favourites,
+            clock,
+            blink,
+            entry,
+        }
     }
 
     /// Reacts to a new page, program or picture in the snapshot.

@@ -37,6 +37,8 @@ pub struct View<'a> {
     pub lang: Lang,
     /// The languages to choose from.
     pub languages: &'a [Lang],
+    /// Something is wrong with a language file.
+    pub has_language_faults: bool,
     /// Colours.
     pub theme: &'a Theme,
     /// The light theme is active.

@@ -50,6 +50,8 @@ pub struct WindowOptions {
     pub lang: Lang,
     /// The languages that the settings page offers beside Chinese and English.
     pub added_languages: Vec<&'static Translation>,
+    /// Something is wrong with a language file.
+    pub has_language_faults: bool,
     /// The light theme.
     pub light: bool,
     /// Brightness of the picture, percent.
@@ -93,7 +95,7 @@ pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
         native,
         Box::new(move |context| {
             let mut hmi = Hmi::new(options.lang);
-            hmi.add_languages(&options.added_languages);
+            hmi.add_languages(&options.added_languages, options.has_language_faults);
             hmi.set_fades(true);
             hmi.set_light(options.light);
             hmi.set_brightness(options.brightness);

@@ -1,7 +1,7 @@
 //! What happened to retained data that were damaged or gone: kept with what took their place until a person has accepted it.
 //! Source: spec B6, K4.2; safety stance.
 
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Template, Text, phrase};
 
 /// In the row of a loss: a person has chosen what took the place, or what was chosen could not be used.
 const CHOSEN: &str = "chosen";
@@ -84,19 +84,20 @@ impl DataLoss {
     /// What happened and what is used, for the alarm.
     #[must_use]
     pub fn message(&self) -> LocalizedText {
-        let (what_zh, what) = match &self.copy {
-            Some(copy) => (format!("文件损坏（副本 {copy}）"), format!("file damaged (copy {copy})")),
-            None => ("文件被删除".to_owned(), "file gone".to_owned()),
+        const LOSS: &Template = &Template::new("{what}，{by}{used}", "{what}; {by}{used}", &["what", "by", "used"]);
+        let what = match &self.copy {
+            Some(copy) => phrase!("文件损坏（副本 {copy}）", "file damaged (copy {copy})", copy = copy.to_string()),
+            None => phrase!("文件被删除", "file gone"),
         };
-        let (used_zh, used) = match &self.state_of {
-            Some(time) => (format!("用 {time} 的数据"), format!("values of {time}")),
-            None => ("用出厂值".to_owned(), "factory values".to_owned()),
+        let used = match &self.state_of {
+            Some(time) => phrase!("用 {time} 的数据", "values of {time}", time = time.to_string()),
+            None => phrase!("用出厂值", "factory values"),
         };
-        let (by_zh, by) = match self.choice {
-            LossChoice::None => ("", ""),
-            LossChoice::Made => ("已选", "chosen: "),
-            LossChoice::Missed => ("所选数据不能用，", "the chosen data could not be used; "),
+        let by = match self.choice {
+            LossChoice::None => Text::new("", ""),
+            LossChoice::Made => Text::new("已选", "chosen: "),
+            LossChoice::Missed => Text::new("所选数据不能用，", "the chosen data could not be used; "),
         };
-        LocalizedText::new(format!("{what_zh}，{by_zh}{used_zh}"), format!("{what}; {by}{used}"))
+        LocalizedText::phrase_of(LOSS, [], [what, by.into(), used])
     }
 }

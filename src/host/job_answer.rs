@@ -32,7 +32,7 @@ impl From<FolderError> for Refusal {
 
 impl From<IoFault> for Refusal {
     fn from(fault: IoFault) -> Self {
-        refusal(fault.zh(), fault.to_string())
+        Refusal::Other(fault.message())
     }
 }
 

@@ -174,9 +174,9 @@ mod tests {
         let fault = replace(&path, b"new").expect_err("no room");
         drop(full);
         assert!(
-            fault.cause.kind() == io::ErrorKind::StorageFull && fault.zh().contains("O1001.NC：磁盘已满"),
+            fault.cause.kind() == io::ErrorKind::StorageFull && fault.message().zh().contains("O1001.NC：磁盘已满"),
             "{}",
-            fault.zh()
+            fault.message().zh()
         );
         assert!(fault.to_string().contains("free disk space"), "{fault}");
         assert_eq!(fs::read_to_string(&path).expect("there"), "old");

@@ -45,7 +45,7 @@ impl DataDir {
         let mut found = Self { root, has_data, fault: None };
         for folder in [found.root.clone(), found.programs(), found.screens(), found.backups(), found.screenshots()] {
             match Self::make_writable(&folder) {
-                Err(fault) if has_data => found.fault = Some(LocalizedText::new(fault.zh(), fault.en())),
+                Err(fault) if has_data => found.fault = Some(fault.message()),
                 made => made?,
             }
         }

@@ -11,7 +11,7 @@ use super::disk;
 use super::file_class::FileClass;
 use super::io_fault::IoFault;
 use super::listing::{self, FolderEntry, FolderListing};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 
 /// Why a file was not read, written, renamed or deleted. Nothing was changed.
 #[derive(Debug, thiserror::Error)]
@@ -76,29 +76,46 @@ impl FolderError {
             Self::BadNumber(number, _) => number.to_string(),
             Self::NotRegular(path) | Self::BeingWritten(path) | Self::Exists(path) => file_name(path),
             Self::TooLarge { path, .. } | Self::FolderTooLarge { path, .. } => file_name(path),
-            Self::Io(fault) => return LocalizedText::new(fault.zh(), fault.en()),
+            Self::Io(fault) => return fault.message(),
         };
-        let of = |zh: &str, en: &str| LocalizedText::new(format!("{name} {zh}"), format!("{name} {en}"));
         match self {
-            Self::Exists(_) => of("已存在，请换一个号", "already exists: choose another number"),
-            Self::TooLarge { size, limit, .. } => {
-                of(&format!("太大：{size} 字节，最多 {limit}"), &format!("is too large: {size} bytes, {limit} at most"))
+            Self::Exists(_) => {
+                phrase!("{name} 已存在，请换一个号", "{name} already exists: choose another number", name)
             }
-            Self::FolderTooLarge { limit, .. } => of(
-                &format!("未读入：全部程序超过 {} MB，请删除不用的", limit >> 20),
-                &format!("is not read: all programs together are larger than {} MB: delete some", limit >> 20),
+            Self::TooLarge { size, limit, .. } => phrase!(
+                "{name} 太大：{size} 字节，最多 {limit}",
+                "{name} is too large: {size} bytes, {limit} at most",
+                name,
+                size = *size as usize,
+                limit = *limit as usize
             ),
-            Self::NotRegular(_) => {
-                of("是链接或目录，请换成文件本身", "is a link or a folder: put the file itself there")
+            Self::FolderTooLarge { limit, .. } => phrase!(
+                "{name} 未读入：全部程序超过 {limit} MB，请删除不用的",
+                "{name} is not read: all programs together are larger than {limit} MB: delete some",
+                name,
+                limit = (*limit >> 20) as usize
+            ),
+            Self::NotRegular(_) => phrase!(
+                "{name} 是链接或目录，请换成文件本身",
+                "{name} is a link or a folder: put the file itself there",
+                name
+            ),
+            Self::BeingWritten(_) => {
+                phrase!("{name} 正在被写入，请稍后再试", "{name} is still being written: wait and try again", name)
             }
-            Self::BeingWritten(_) => of("正在被写入，请稍后再试", "is still being written: wait and try again"),
-            Self::BadName { like, .. } => {
-                of(&format!("不是有效的文件名，应像 {like}"), &format!("is not a file name: use one like {like}"))
-            }
-            Self::BadNumber(_, most) => {
-                of(&format!("不是有效的程序号，应为 1-{most}"), &format!("is not a program number: use 1 to {most}"))
-            }
-            Self::Missing { .. } | Self::Io(_) => of("不存在", "does not exist"),
+            Self::BadName { like, .. } => phrase!(
+                "{name} 不是有效的文件名，应像 {like}",
+                "{name} is not a file name: use one like {like}",
+                name,
+                like = like.to_string()
+            ),
+            Self::BadNumber(_, most) => phrase!(
+                "{name} 不是有效的程序号，应为 1-{most}",
+                "{name} is not a program number: use 1 to {most}",
+                name,
+                most = *most
+            ),
+            Self::Missing { .. } | Self::Io(_) => phrase!("{name} 不存在", "{name} does not exist", name),
         }
     }
 }

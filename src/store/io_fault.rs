@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use crate::defs::text::Text;
+use crate::defs::text::{LocalizedText, Template, Text};
 
 /// A failed operation on a file or folder.
 #[derive(Debug, thiserror::Error)]
@@ -29,16 +29,13 @@ impl IoFault {
         self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
     }
 
-    /// The message with the file name only, in English.
+    /// The message for the screen, with the file name only; the words of the operating system are not translated.
     #[must_use]
-    pub fn en(&self) -> String {
-        format!("{}: {} ({})", self.name(), remedy(self.cause.kind()).en, self.cause)
-    }
-
-    /// The message in Chinese; the text of the operating system is not translated.
-    #[must_use]
-    pub fn zh(&self) -> String {
-        format!("{}：{} ({})", self.name(), remedy(self.cause.kind()).zh, self.cause)
+    pub fn message(&self) -> LocalizedText {
+        const MESSAGE: &Template =
+            &Template::new("{name}：{remedy} ({cause})", "{name}: {remedy} ({cause})", &["name", "cause", "remedy"]);
+        let texts = [remedy(self.cause.kind()).into()];
+        LocalizedText::phrase_of(MESSAGE, [self.name().into(), self.cause.to_string().into()], texts)
     }
 
     /// Whether the file or folder does not exist.

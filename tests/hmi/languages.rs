@@ -1,5 +1,7 @@
 //! A language that a file adds reaches every text of the screen. Source: spec H9.
 
+use crate::sample::snapshot;
+use crate::screen::{open, painted};
 use crate::stories::ready_of;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
@@ -64,6 +66,17 @@ fn h9_an_added_language_reaches_every_text_of_every_page() {
         }
     }
     assert!(wrong.is_empty(), "{} texts:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn h9_the_settings_page_says_that_a_language_file_is_wrong() {
+    let says = |faults: bool| {
+        let mut screen = open(snapshot(Page::Settings));
+        screen.state_mut().hmi.add_languages(&[], faults);
+        screen.step();
+        painted(&screen).iter().any(|text| text.contains("语言文件有错"))
+    };
+    assert!(says(true) && !says(false));
 }
 
 #[test]

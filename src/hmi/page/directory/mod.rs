@@ -9,7 +9,7 @@ use egui::Rect;
 use super::{HandOver, InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
-use crate::defs::text::{Lang, LocalizedText, Text, phrase};
+use crate::defs::text::{Lang, LocalizedText, Template, Text, phrase};
 use crate::defs::{param, program_number};
 use crate::hmi::widget::page_keys;
 use crate::hmi::{
@@ -24,6 +24,12 @@ use crate::link::snapshot::RunState;
 use list::ProgramList;
 
 /// Why a program cannot be made, copied, renamed or deleted now.
+/// What is asked before a program is deleted: its name, and its title.
+const DELETED: &Template = &Template::new(
+    "{name} {title}\n删除后不能恢复，除非有备份。",
+    "{name} {title}\nIt can be restored only from a backup.",
+    &["name", "title"],
+);
 const EDIT_MODE: Text = Text::new("先按面板上的 编辑 键", "press EDIT on the panel first");
 /// Maximum length of a search, characters.
 const MAX_SEARCH_CHARS: usize = 20;
@@ -256,10 +262,8 @@ impl DirectoryPage {
         let chosen = self.list.selected();
         if let (DirectoryAction::Delete, Some(row)) = (action, chosen) {
             let (number, name) = (row.number, &row.name);
-            let body = LocalizedText::new(
-                format!("{name} {}\n删除后不能恢复，除非有备份。", row.comment),
-                format!("{name} {}\nIt can be restored only from a backup.", row.comment_in(Lang::En)),
-            );
+            let comment = LocalizedText::new(&*row.comment, row.comment_in(Lang::En));
+            let body = LocalizedText::phrase_of(DELETED, [name.into()], [comment]);
             self.request = Some(FileRequest::Delete(number));
             let key = ("question-delete", Text::new("删除", "DELETE"));
             self.question.ask((), Question::new(Text::new("删除程序？", "delete the program?"), body, key));

@@ -6,7 +6,7 @@ use egui::{Rect, vec2};
 
 use super::{figures, order_values, parts_of};
 use crate::defs::production_order::{ORDER_NUMBERS, ORDER_TARGETS, ProductionOrder};
-use crate::defs::text::{LocalizedText, Text, phrase};
+use crate::defs::text::{LocalizedText, Template, Text, phrase};
 use crate::hmi::{Area, FieldEditor, ValueField, View, keycap, theme};
 use crate::link::Snapshot;
 use crate::link::production::{OrderCommand, OrderProposal};
@@ -25,6 +25,8 @@ pub const FIELDS: [OrderField; 3] = [
     OrderField { name: Text::new("程序", "program"), range: 1..=99_999_999 },
     OrderField { name: Text::new("件数", "parts"), range: ORDER_TARGETS },
 ];
+/// A figure of the form is missing.
+const TYPE_FIRST: &Template = &Template::new("先键入{name}", "type {name} first", &["name"]);
 const NUMBER: usize = 0;
 const PROGRAM: usize = 1;
 const TARGET: usize = 2;
@@ -96,7 +98,7 @@ impl OrderEntry {
         let [number, program, target] = [NUMBER, PROGRAM, TARGET].map(|field| {
             self.value(field, snapshot).ok_or_else(|| {
                 let name = FIELDS[field].name;
-                LocalizedText::new(format!("先键入{}", name.zh), format!("type {} first", name.en))
+                LocalizedText::phrase_of(TYPE_FIRST, [], [name.into()])
             })
         });
         let (number, program, target) = (number?, program?, target?);

@@ -288,10 +288,10 @@ pub fn parse_value(row: &ParamRow, text: &str) -> Result<f64, LocalizedText> {
     if !(row.min..=row.max).contains(&value) {
         return Err(match row.param_type {
             ParamType::Bit => phrase!("只能输入 0 或 1", "only 0 or 1"),
-            ParamType::Number | ParamType::Input(_) | ParamType::Output(_) => LocalizedText::new(
-                format!("超出范围 {} … {}", row.min, row.max),
-                format!("out of range {} … {}", row.min, row.max),
-            ),
+            ParamType::Number | ParamType::Input(_) | ParamType::Output(_) => {
+                let (least, most) = (row.min, row.max);
+                phrase!("超出范围 {least} … {most}", "out of range {least} … {most}", least, most)
+            }
         });
     }
     Ok(value)

@@ -161,6 +161,9 @@ impl SettingsPage {
     /// Language, colours and brightness of the screen.
     fn appearance(&mut self, group: &SettingsGroup<'_>, out: &mut Vec<Command>) {
         let view = group.view;
+        if view.has_language_faults {
+            group.title_note(view.text("语言文件有错：kt830 texts", "a language file is wrong: kt830 texts"));
+        }
         let ids: Vec<_> = view.languages.iter().map(|lang| format!("lang-{}", lang.code())).collect();
         let languages: Vec<_> = view.languages.iter().zip(&ids).collect();
         let languages: Vec<_> =
