@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use super::args::SharedArgs;
 use super::play::StoryFile;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
-use crate::hmi::Hmi;
 use crate::hmi::offscreen::OffscreenHmi;
 use crate::host::headless::HeadlessHost;
 use crate::host::simulated::HostedSimulation;
@@ -76,11 +75,9 @@ impl Stage for FilmedHost {
 /// The folder or a picture cannot be written.
 pub fn record(shared: &SharedArgs, told: &StoryFile, folder: &Path, per_second: u32) -> Result<u8, CallError> {
     std::fs::create_dir_all(folder).map_err(CallError::at(format!("--record {}", folder.display())))?;
-    let mut hmi = Hmi::new(shared.lang);
-    hmi.set_light(shared.light);
     let mut stage = FilmedHost {
         host: setup::headless_host(shared)?,
-        hmi: OffscreenHmi::new(hmi, SIZE),
+        hmi: OffscreenHmi::new(setup::screen(shared), SIZE),
         folder: folder.to_owned(),
         interval: Micros::from_secs_f64(1.0 / f64::from(per_second)),
         next: Micros::ZERO,

@@ -18,6 +18,7 @@ mod demo;
 mod film;
 mod finished_size_check;
 mod fleet;
+mod languages;
 mod leadscrew;
 #[cfg(feature = "opcua")]
 mod opcua;

@@ -3,21 +3,18 @@
 use super::args::SharedArgs;
 use crate::gateway::Painter;
 
-/// A painter of the screen as PNG files; with the favourites as they were at the start.
+/// A painter of the screen as PNG files; with the settings as they were at the start.
 #[cfg(feature = "hmi")]
 pub fn painter(shared: &SharedArgs) -> Option<Painter> {
-    use crate::hmi::{Hmi, offscreen::OffscreenHmi};
+    use super::setup;
+    use crate::hmi::offscreen::OffscreenHmi;
 
     /// Size of the pictures.
     const SIZE: (u32, u32) = (1_024, 768);
 
-    let (mut stage, lang, favourites) = (None, shared.lang, shared.favourites.clone());
+    let (mut stage, shared) = (None, shared.clone());
     Some(Box::new(move |snapshot| {
-        let stage = stage.get_or_insert_with(|| {
-            let mut hmi = Hmi::new(lang);
-            hmi.set_favourites(favourites.clone());
-            OffscreenHmi::new(hmi, SIZE)
-        });
+        let stage = stage.get_or_insert_with(|| OffscreenHmi::new(setup::screen(&shared), SIZE));
         // What the page asks the control for when it opens is not sent: this is a view. It is complete in its second frame.
         (0..2).for_each(|_| drop(stage.frame(snapshot)));
         let mut png = std::io::Cursor::new(Vec::new());

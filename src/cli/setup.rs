@@ -7,15 +7,15 @@ use std::path::PathBuf;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer};
 
-use super::CallError;
 use super::args::SharedArgs;
+use super::{CallError, languages};
 use crate::controller::{PowerOnState, Programs};
 use crate::defs::alarm;
 use crate::defs::favourite::Favourite;
 use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::program_number;
-use crate::defs::text::{Lang, LocalizedText, Translation, phrase};
+use crate::defs::text::{LocalizedText, phrase};
 use crate::host::Host;
 use crate::host::cycle_time;
 use crate::host::folders::{Folders, ProgramUse, named_programs_beside, programs_from_file};
@@ -39,8 +39,7 @@ use crate::io::fieldbus::station::StationLink;
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::store::{
-    AddedLanguages, DataDir, PROGRAM_LIMIT, REAL_MACHINE_MARK, StoredLang, StoredSettings, TEXT_LIMIT,
-    read_regular_file,
+    DataDir, PROGRAM_LIMIT, REAL_MACHINE_MARK, StoredLang, StoredSettings, TEXT_LIMIT, read_regular_file,
 };
 use crate::story::parse;
 use crate::units::Micros;
@@ -73,55 +72,21 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
         }
     }
     shared.kind = shared.requested_kind.or(stored.kind).unwrap_or_default();
-    read_languages(&mut shared, stored.lang.as_ref().map(StoredLang::code), opens_control)?;
+    languages::read(&mut shared, stored.lang.as_ref().map(StoredLang::code), opens_control, data_dir)?;
     shared.light = stored.light.unwrap_or_default();
     shared.favourites = known_favourites(&stored.favourites);
     shared.brightness = stored.brightness.unwrap_or(shared.brightness);
     Ok(shared)
 }
 
-/// The languages of the language files, and the one that holds: asked for, else stored, else Chinese. Without a use for
-/// them no file is read.
-fn read_languages(shared: &mut SharedArgs, stored: Option<&str>, opens_control: bool) -> Result<(), CallError> {
-    let wanted = shared.requested_lang.as_deref().or(stored);
-    let own = |code: &str| [Lang::Zh, Lang::En].into_iter().find(|lang| lang.code() == code);
-    let known = wanted.map_or(Some(Lang::default()), own);
-    if let (None, Some(lang), false) = (&shared.languages, known, opens_control) {
-        shared.lang = lang;
-        return Ok(());
-    }
-    let folder = match &shared.languages {
-        Some(folder) if !folder.is_dir() => {
-            return Err(CallError::new(format!("--languages {}: there is no such folder", folder.display())));
-        }
-        Some(folder) => Some(folder.clone()),
-        None if opens_control || shared.data.is_some() => Some(data_dir(shared)?.languages()),
-        None => None,
-    };
-    let AddedLanguages { languages, faults } =
-        folder.as_deref().map_or_else(AddedLanguages::shipped, AddedLanguages::read);
-    let place = folder.map_or_else(|| "a folder".to_owned(), |folder| folder.display().to_string());
-    faults.iter().for_each(|fault| warn_line!("kt830: language files: {}", fault.en()));
-    shared.has_language_faults = !faults.is_empty();
-    shared.added_languages = languages.into_iter().map(Translation::keep).collect();
-    let added = |code| shared.added_languages.iter().find(|added| added.code == code).map(|added| Lang::Added(added));
-    let found = known.or_else(|| wanted.and_then(added));
-    if found.is_none()
-        && let Some(code) = &shared.requested_lang
-    {
-        let mut codes = vec!["zh", "en"];
-        codes.extend(shared.added_languages.iter().map(|added| added.code.as_str()));
-        let codes = codes.join(", ");
-        return Err(CallError::new(format!(
-            "--lang {code}: the languages are {codes}; others are files in {place} (kt830 texts, --languages DIR)"
-        )));
-    }
-    if found.is_none() {
-        let code = wanted.unwrap_or_default();
-        warn_line!("kt830: settings: the file of the language '{code}' is not in {place}; English is used");
-    }
-    shared.lang = found.unwrap_or(Lang::En);
-    Ok(())
+/// The screen as it is set.
+#[cfg(feature = "hmi")]
+pub fn screen(shared: &SharedArgs) -> crate::hmi::Hmi {
+    let mut hmi = crate::hmi::Hmi::new(shared.lang);
+    hmi.add_languages(&shared.added_languages, shared.has_language_faults);
+    hmi.set_light(shared.light);
+    hmi.set_favourites(shared.favourites.clone());
+    hmi
 }
 
 /// The favourites that this version knows: an unknown one stops nobody's work.

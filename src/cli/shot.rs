@@ -7,7 +7,6 @@ use super::args::{SharedArgs, ShotArgs};
 use super::play::read_story;
 use super::{CallError, FAILED, SUCCESS, setup};
 use crate::defs::program_number;
-use crate::hmi::Hmi;
 use crate::hmi::offscreen::OffscreenHmi;
 use crate::link::command::Command;
 use crate::story::play::state_report;
@@ -22,7 +21,7 @@ const SETTLE_TICKS: u32 = 5;
 pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     let told = call.story.as_deref().map(|path| read_story(path, shared.kind)).transpose()?;
     let kind = told.as_ref().map_or(shared.kind, |story| story.kind);
-    let shared = SharedArgs { kind, ..shared.clone() };
+    let shared = SharedArgs { kind, light: shared.light || call.light, ..shared.clone() };
     if !call.page.exists_on(kind) {
         return Err(CallError::new(format!("page {}: a machine of kind {} has none", call.page.id(), kind.id())));
     }
@@ -48,11 +47,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     host.send(Command::OpenPage(call.page));
     (0..SETTLE_TICKS).for_each(|_| host.step());
     // A page may send requests when it opens: the drawing its toolpath, the transfer page its media.
-    let mut hmi = Hmi::new(shared.lang);
-    hmi.add_languages(&shared.added_languages, shared.has_language_faults);
-    hmi.set_light(shared.light || call.light);
-    hmi.set_favourites(shared.favourites.clone());
-    let mut stage = OffscreenHmi::new(hmi, call.size);
+    let mut stage = OffscreenHmi::new(setup::screen(&shared), call.size);
     for _ in 0..SETTLE_TICKS {
         let commands = stage.frame(host.snapshot());
         commands.into_iter().for_each(|command| host.send(command));

@@ -11,7 +11,7 @@ use crate::defs::alarm;
 use crate::defs::param::Params;
 use crate::defs::text::{LocalizedText, phrase};
 use crate::hmi::core_fault::CoreHealth;
-use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
+use crate::hmi::window::{CoreConnection, WindowError, run};
 #[cfg(target_os = "linux")]
 use crate::host::absent_machine::AbsentMachine;
 #[cfg(target_os = "linux")]
@@ -121,11 +121,10 @@ fn open_with<P: HostedMachine + Send + 'static>(
 /// There is no display.
 pub fn show(link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
     guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
-    let (added_languages, favourites) = (shared.added_languages.clone(), shared.favourites.clone());
-    let SharedArgs { lang, has_language_faults, light, brightness, .. } = *shared;
-    let options =
-        WindowOptions { fullscreen, lang, added_languages, has_language_faults, light, brightness, favourites };
-    match run(Box::new(link), options) {
+    let mut hmi = setup::screen(shared);
+    // A picture is not dimmed.
+    hmi.set_brightness(shared.brightness);
+    match run(Box::new(link), hmi, fullscreen) {
         Ok(()) => Ok(SUCCESS),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(
             "{error}. Without a display use `kt830 demo` (a story to its end), `kt830 run PROGRAM` or `kt830 shot PAGE --out FILE.png`"

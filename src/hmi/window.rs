@@ -14,8 +14,6 @@ use super::app::Hmi;
 use super::core_fault::{CoreHealth, paint_core_fault};
 use super::repaint::LiveScreen;
 use super::theme;
-use crate::defs::favourite::Favourite;
-use crate::defs::text::{Lang, Translation};
 use crate::link::{Command, Snapshot};
 
 /// Period of the watcher.
@@ -41,25 +39,6 @@ pub trait CoreConnection: Send {
     fn send(&mut self, command: Command);
 }
 
-/// How the window opens.
-#[derive(Clone, Debug)]
-pub struct WindowOptions {
-    /// Full screen; otherwise a window of 1024 × 768 points.
-    pub fullscreen: bool,
-    /// Language.
-    pub lang: Lang,
-    /// The languages that the settings page offers beside Chinese and English.
-    pub added_languages: Vec<&'static Translation>,
-    /// Something is wrong with a language file.
-    pub has_language_faults: bool,
-    /// The light theme.
-    pub light: bool,
-    /// Brightness of the picture, percent.
-    pub brightness: u8,
-    /// What the home page keeps.
-    pub favourites: Vec<Favourite>,
-}
-
 /// Why the window could not be opened.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WindowError {
@@ -74,17 +53,17 @@ pub enum WindowError {
 type SharedConnection = Arc<Mutex<Box<dyn CoreConnection>>>;
 type SharedScreen = Arc<Mutex<LiveScreen>>;
 
-/// Opens the window and returns when it is closed.
+/// Opens the window, full screen or 1024 × 768 points large, and returns when it is closed.
 ///
 /// # Errors
 /// [`WindowError::NoDisplay`] if there is no display, [`WindowError::Graphics`] if drawing fails.
-pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), WindowError> {
+pub fn run(core: Box<dyn CoreConnection>, mut hmi: Hmi, fullscreen: bool) -> Result<(), WindowError> {
     let display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(all(unix, not(target_os = "macos"))) && !display("DISPLAY") {
         return Err(WindowError::NoDisplay("DISPLAY is not set".to_owned()));
     }
     let viewport = ViewportBuilder::default().with_title("KT-830").with_inner_size(vec2(1_024.0, 768.0));
-    let viewport = viewport.with_fullscreen(options.fullscreen).with_decorations(!options.fullscreen);
+    let viewport = viewport.with_fullscreen(fullscreen).with_decorations(!fullscreen);
     // Flat colours show no banding, and dithering costs time per pixel in software OpenGL.
     let native = eframe::NativeOptions { viewport, dithering: false, ..eframe::NativeOptions::default() };
     let core: SharedConnection = Arc::new(Mutex::new(core));
@@ -94,17 +73,12 @@ pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
         "kt830",
         native,
         Box::new(move |context| {
-            let mut hmi = Hmi::new(options.lang);
-            hmi.add_languages(&options.added_languages, options.has_language_faults);
             hmi.set_fades(true);
-            hmi.set_light(options.light);
-            hmi.set_brightness(options.brightness);
-            hmi.set_favourites(options.favourites);
             hmi.install(&context.egui_ctx);
             core.lock().unwrap_or_else(PoisonError::into_inner).window_opened();
             let screen = Arc::new(Mutex::new(LiveScreen::new(hmi)));
             watch_snapshots(Arc::clone(&core), Arc::clone(&screen), context.egui_ctx.clone(), Arc::clone(&end));
-            Ok(Box::new(Window { screen, core, fullscreen: options.fullscreen, alive_sent: None, sized: false }))
+            Ok(Box::new(Window { screen, core, fullscreen, alive_sent: None, sized: false }))
         }),
     );
     over.store(true, Ordering::Relaxed);
