@@ -3,7 +3,7 @@
 
 use egui::{Modifiers, Rect, Response, Ui};
 
-use crate::defs::key::Key;
+use crate::defs::key::{Key, KeyGroup};
 use crate::link::Command;
 
 /// How long a finger rests on a key until the screen explains the key instead of pressing it, s. The slow touch of a gloved
@@ -34,22 +34,10 @@ pub const fn trigger_of(key: Key) -> KeyTrigger {
 
 /// Whether a long touch explains a key: only one that starts or selects something, and not one that is on. Who rests on a
 /// key that stops, retracts or slows wants it to act.
-pub const fn is_explained(key: Key, is_on: bool) -> bool {
-    let stops = matches!(
-        key,
-        Key::WheelStop | Key::HeadstockStop | Key::SpindleStop | Key::WheelRetract | Key::SpindleOverrideUp
-    );
-    let slows = matches!(
-        key,
-        Key::FeedOverrideUp
-            | Key::FeedOverrideDown
-            | Key::SpindleOverrideDown
-            | Key::RapidF0
-            | Key::Rapid25
-            | Key::Rapid50
-            | Key::Rapid100
-    );
-    !is_on && !stops && !slows && matches!(trigger_of(key), KeyTrigger::OnRelease)
+pub fn is_explained(key: Key, is_on: bool) -> bool {
+    let stops = matches!(key, Key::WheelStop | Key::HeadstockStop | Key::SpindleStop | Key::WheelRetract);
+    let is_override = key.row().group == KeyGroup::Override;
+    !is_on && !stops && !is_override && trigger_of(key) == KeyTrigger::OnRelease
 }
 
 /// State of a key that is held down.

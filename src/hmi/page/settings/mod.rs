@@ -165,9 +165,9 @@ impl SettingsPage {
             group.title_note(view.text("语言文件有错：kt830 texts", "a language file is wrong: kt830 texts"));
         }
         let ids: Vec<_> = view.languages.iter().map(|lang| format!("lang-{}", lang.code())).collect();
-        let languages: Vec<_> = view.languages.iter().zip(&ids).collect();
+        let named = view.languages.iter().zip(&ids);
         let languages: Vec<_> =
-            languages.iter().map(|(lang, id)| PageKey::new(id, lang.own_name()).on(view.lang == **lang)).collect();
+            named.map(|(lang, id)| PageKey::new(id, lang.own_name()).on(view.lang == *lang)).collect();
         let chosen = self.walk.keys(view, group.row(0), &languages);
         out.extend(chosen.map(|index| Command::Page(PageCommand::SetLang(view.languages[index]))));
         let row = group.row(1);
