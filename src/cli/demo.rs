@@ -3,8 +3,9 @@
 //! Source: spec tools.md T2.
 
 use super::args::{DemoArgs, SharedArgs};
-use super::play::{StoryFile, demo_story, film_story, read_story};
+use super::play::{StoryFile, demo_story, film_stories, read_story};
 use super::run::size_lines;
+use super::story_loop::Film;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::host::headless::HeadlessHost;
 use crate::story::{Statement, play::state_report};
@@ -15,15 +16,15 @@ use crate::story::{Statement, play::state_report};
 /// The call or a file is wrong.
 pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
     let has_spectators = call.record.is_some() || has_display();
-    let told = match &call.story {
-        Some(path) => read_story(path, shared.kind)?,
-        None if has_spectators => film_story(shared)?,
-        None => demo_story(shared)?,
+    let stories = match &call.story {
+        Some(path) => vec![read_story(path, shared.kind)?],
+        None if has_spectators => film_stories(shared)?,
+        None => vec![demo_story(shared)?],
     };
-    let shared = SharedArgs { kind: told.kind, ..shared.clone() };
+    let film = Film { shared: shared.clone(), stories };
     #[cfg(feature = "hmi")]
     if let Some(folder) = &call.record {
-        return super::film::record(&shared, &told, folder, call.fps);
+        return super::film::record(&film, folder, call.fps);
     }
     #[cfg(not(feature = "hmi"))]
     if call.record.is_some() {
@@ -31,9 +32,9 @@ pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
     }
     #[cfg(feature = "hmi")]
     if has_spectators {
-        return live::play(&shared, told, !call.windowed);
+        return live::play(film, !call.windowed);
     }
-    headless(&shared, call, &told)
+    film.stories.first().map_or(Ok(SUCCESS), |told| headless(&film.call_for(told), call, told))
 }
 
 #[cfg(feature = "hmi")]
@@ -103,15 +104,17 @@ fn picture(shared: &SharedArgs, call: &DemoArgs, host: &mut HeadlessHost, line: 
 mod live {
     //! The story on a display.
 
-    use super::super::args::SharedArgs;
-    use super::super::play::StoryFile;
-    use super::super::{CallError, serve, setup, story_loop, window};
+    use super::super::story_loop::{self, Film};
+    use super::super::{CallError, SUCCESS, serve, setup, window};
     use crate::host::thread::start;
 
-    pub fn play(shared: &SharedArgs, told: StoryFile, fullscreen: bool) -> Result<u8, CallError> {
-        let host = setup::threaded_host(shared, false, setup::simulated_for_display)?;
-        let mut link = start(host, move |thread| story_loop::repeat(thread, &told)).map_err(CallError::new)?;
-        let _network = serve::start_network(&mut link, shared)?;
-        window::show(link, shared, fullscreen)
+    pub fn play(film: Film, fullscreen: bool) -> Result<u8, CallError> {
+        let Some(first) = film.stories.first() else { return Ok(SUCCESS) };
+        let (shared, is_one_machine) = (film.call_for(first), film.stories.len() == 1);
+        let host = setup::threaded_host(&shared, false, setup::simulated_for_display)?;
+        let mut link = start(host, move |thread| story_loop::repeat(thread, &film)).map_err(CallError::new)?;
+        // Clients know one machine.
+        let _network = is_one_machine.then(|| serve::start_network(&mut link, &shared)).transpose()?;
+        window::show(link, &shared, fullscreen)
     }
 }

@@ -40,6 +40,12 @@ impl StoryFile {
         let (reader, _) = (None, lang);
         Player::new(stage, reader, &self.folder, part_given)
     }
+
+    /// What a demonstration plays unseen and at once, and what it shows.
+    pub fn acts(&self) -> (&[StoryLine], &[StoryLine]) {
+        let prepared = self.lines.iter().position(|line| line.statement == Statement::Prepared);
+        self.lines.split_at(prepared.map_or(0, |at| at + 1))
+    }
 }
 
 /// Reads a story file.
@@ -63,15 +69,28 @@ pub fn demo_story(shared: &SharedArgs) -> Result<StoryFile, CallError> {
     Ok(StoryFile { kind, lines, folder: ".".into() })
 }
 
-/// The story for spectators, with captions; where a kind has none, [`demo_story`].
+/// The stories for spectators, with captions, each on a machine of its own: of the kind that is asked for, otherwise of all
+/// kinds. With data of a machine there is one story; where a kind has none, [`demo_story`].
 ///
 /// # Errors
 /// Never with the stories of the program.
-pub fn film_story(shared: &SharedArgs) -> Result<StoryFile, CallError> {
-    let kind = shared.requested_kind.unwrap_or_default();
-    let Some(story) = kind.row().film_story else { return demo_story(shared) };
-    let (kind, lines) = parse(story, kind).map_err(CallError::new)?;
-    Ok(StoryFile { kind, lines, folder: ".".into() })
+pub fn film_stories(shared: &SharedArgs) -> Result<Vec<StoryFile>, CallError> {
+    let keeps_data = shared.data.is_some();
+    let kinds = match shared.requested_kind.or(keeps_data.then_some(shared.kind)) {
+        Some(kind) => vec![kind],
+        None => Kind::ALL.to_vec(),
+    };
+    let read = |story: &&str| {
+        let (kind, lines) = parse(story, shared.kind).map_err(CallError::new)?;
+        Ok(StoryFile { kind, lines, folder: ".".into() })
+    };
+    let stories = kinds.iter().flat_map(|kind| kind.row().film_stories);
+    let mut film = stories.map(read).collect::<Result<Vec<_>, CallError>>()?;
+    if film.is_empty() {
+        film.push(demo_story(shared)?);
+    }
+    film.truncate(if keeps_data { 1 } else { film.len() });
+    Ok(film)
 }
 
 /// The stage of `kt830 play`: a headless host that stops at a time and writes a trace.
@@ -223,5 +242,26 @@ fn print_outcome(form: OutputFormat, line: &StoryLine, done: &Result<(), String>
         (OutputFormat::Text, Err(why)) => {
             print_line(format!("{seconds:10.3}  FAIL  {text}: {why} (line {})", line.number))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::Args;
+    use clap::Parser;
+
+    fn film(words: &[&str]) -> Vec<Kind> {
+        let call = Args::try_parse_from(["kt830"].iter().chain(words).chain(&["demo"])).unwrap();
+        film_stories(&call.shared).unwrap().iter().map(|story| story.kind).collect()
+    }
+
+    #[test]
+    fn t2_the_film_shows_three_grinders_and_each_kind_its_own() {
+        assert_eq!(film(&[]), [Kind::Gc, Kind::Gc, Kind::Gs, Kind::Ga]);
+        assert_eq!(film(&["--kind", "gs"]), [Kind::Gs]);
+        assert_eq!(film(&["--kind", "vertical"]), [Kind::Vertical]);
+        // The data are those of one machine.
+        assert_eq!(film(&["--data", "data"]), [Kind::Gc]);
     }
 }

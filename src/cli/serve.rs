@@ -11,7 +11,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use super::args::{ServeArgs, SharedArgs, WebAccessArgs};
 use super::painter::painter;
 use super::play::read_story;
-use super::{CallError, SUCCESS, password_line, print_line, setup, story_loop};
+use super::story_loop::{self, Film};
+use super::{CallError, SUCCESS, password_line, print_line, setup};
 use crate::defs::param;
 use crate::gateway::device_model::device_model;
 use crate::gateway::{Gateway, GatewayThread, set_viewer_password, timestamp};
@@ -33,10 +34,11 @@ pub fn serve(shared: &SharedArgs, call: &ServeArgs) -> Result<u8, CallError> {
     let told = call.story.as_deref().map(|path| read_story(path, shared.kind)).transpose()?;
     let kind = told.as_ref().map_or(shared.kind, |story| story.kind);
     let shared = SharedArgs { kind, ..shared.clone() };
+    let film = told.map(|story| Film { shared: shared.clone(), stories: vec![story] });
     let host = setup::threaded_host(&shared, false, setup::simulated_for_display)?;
     let script = move |thread: &mut HostThread<HostedSimulation, ThreadedStorage>| {
-        match told {
-            Some(told) => story_loop::repeat(thread, &told),
+        match film {
+            Some(film) => story_loop::repeat(thread, &film),
             None => run_until_stopped(thread),
         }
         print_line(tick_times(&thread.host().times().executions));

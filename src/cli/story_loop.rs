@@ -1,66 +1,173 @@
-//! Plays a story again and again on a control on its thread; a touch of the screen stops it for a while.
+//! Plays stories again and again on a control on its thread; a touch of the screen stops them for a while.
+//! Source: spec T2; issue "the face", part 9.
 
+use super::args::SharedArgs;
 use super::play::StoryFile;
+use super::{CallError, setup};
+use crate::host::Host;
 use crate::host::simulated::HostedSimulation;
-use crate::host::storage::ThreadedStorage;
+use crate::host::storage::{Storage, ThreadedStorage};
 use crate::host::thread::HostThread;
 use crate::link::demo_view::DemoView;
 use crate::link::snapshot::RunState;
-use crate::story::{Player, Stage};
+use crate::story::{Stage, StoryLine};
 use crate::units::Micros;
 
-/// Without input for this time the story starts again.
+/// Without input for this time the film starts again.
 const IDLE: Micros = Micros::from_millis(60_000);
-/// Pause between two runs of the story.
+/// Pause between two runs of a single story.
 const PAUSE: Micros = Micros::from_millis(5_000);
 
-/// Plays until the thread is stopped.
-pub fn repeat(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &StoryFile) {
+/// A simulated control on a thread.
+type DemoThread = HostThread<HostedSimulation, ThreadedStorage>;
+
+/// What is played: one story, again and again on the same control, or several, each on a machine of its own.
+pub struct Film {
+    /// The call; the kind is that of the story.
+    pub shared: SharedArgs,
+    /// The stories, at least one.
+    pub stories: Vec<StoryFile>,
+}
+
+impl Film {
+    /// The call for the machine of a story.
+    pub fn call_for(&self, story: &StoryFile) -> SharedArgs {
+        SharedArgs { kind: story.kind, ..self.shared.clone() }
+    }
+
+    /// A new machine for a story, prepared as the story wants it.
+    fn prepared_host(&self, story: &StoryFile) -> Result<Host<HostedSimulation, ThreadedStorage>, CallError> {
+        let mut host = setup::threaded_host(&self.call_for(story), false, setup::simulated_for_display)?;
+        prepare(&mut host, &self.shared, story);
+        Ok(host)
+    }
+}
+
+/// Plays until the thread is stopped. The thread begins with a machine of the first story.
+pub fn repeat(thread: &mut DemoThread, film: &Film) {
+    let (mut next, mut has_played) = (0, false);
     while !thread.is_stopped() {
-        play_once(thread, told);
+        let Some(story) = film.stories.get(next) else { return };
+        thread.take_touched();
+        if has_played && film.stories.len() > 1 {
+            change_machine(thread, film, story);
+        } else {
+            thread.host().power_on();
+            prepare(thread.host(), &film.shared, story);
+        }
+        play(thread, film, story);
+        has_played = true;
+        next = (next + 1) % film.stories.len();
+        if film.stories.len() == 1 {
+            pause(thread);
+        }
+        if thread.is_touched() {
+            wait_until_left_alone(thread);
+            next = 0;
+        }
     }
 }
 
-/// The time that is left until the story goes on, in seconds that are begun.
-fn taken_over(left: Micros) -> DemoView {
-    let seconds = |time: Micros| time.as_secs_f64().ceil() as u32;
-    DemoView::TakenOver { seconds_left: seconds(left), of: seconds(IDLE) }
+/// Puts a machine prepared for the next story in the place of this one, which goes on meanwhile. Whoever touches it keeps it.
+fn change_machine(thread: &mut DemoThread, film: &Film, story: &StoryFile) {
+    let prepared = std::thread::scope(|scope| {
+        let preparation = scope.spawn(|| film.prepared_host(story));
+        while !preparation.is_finished() && !thread.is_stopped() {
+            thread.turn();
+        }
+        preparation.join()
+    });
+    match prepared {
+        _ if thread.is_touched() => {}
+        Ok(Ok(host)) => thread.exchange(host),
+        Ok(Err(why)) => warn_line!("kt830: {why}"),
+        Err(_) => warn_line!("kt830: the machine of the next story could not be prepared"),
+    }
 }
 
-/// Plays the story once. A touch stops it; then this waits until there is no input.
-fn play_once(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &StoryFile) {
-    thread.host().power_on();
-    thread.take_touched();
-    let mut player = Player::new(thread, None, &told.folder, false);
-    for line in &told.lines {
+/// Plays what spectators see of a story; a touch ends it.
+fn play(thread: &mut DemoThread, film: &Film, story: &StoryFile) {
+    let mut player = story.player(thread, film.shared.lang, false);
+    for line in story.acts().1 {
         if player.stage().is_interrupted() {
-            break;
+            return;
         }
-        // A demo goes on: what fails is told to whoever wrote the story.
-        if let Err(why) = player.play(line)
-            && !player.stage().is_interrupted()
-        {
-            warn_line!("FAIL  line {}, {}: {why}", line.number, line.text);
+        let done = player.play(line);
+        if !player.stage().is_interrupted() {
+            tell_failure(line, done);
         }
     }
-    drop(player);
-    let mut is_taken_over = thread.is_touched();
+}
+
+/// Shows the end of a story for a moment.
+fn pause(thread: &mut DemoThread) {
+    let since = thread.host().now();
+    while !thread.is_stopped() && !thread.is_touched() && thread.host().now().since(since) <= PAUSE {
+        thread.turn();
+    }
+}
+
+/// Somebody has the machine: waits until there was no input for a while and no program runs.
+fn wait_until_left_alone(thread: &mut DemoThread) {
     let mut quiet_since = thread.host().now();
     while !thread.is_stopped() {
         thread.turn();
         let now = thread.host().now();
-        let is_touched = thread.take_touched();
-        is_taken_over |= is_touched;
-        if is_touched || thread.host().controller().state() == RunState::Running {
+        if thread.take_touched() || thread.host().controller().state() == RunState::Running {
             quiet_since = now;
         }
-        let quiet = if is_taken_over { IDLE } else { PAUSE };
-        if is_taken_over {
-            thread.host().show_demo(taken_over(quiet.since(now.since(quiet_since))));
+        let quiet = now.since(quiet_since);
+        if quiet > IDLE {
+            break;
         }
-        if now.since(quiet_since) > quiet {
-            thread.host().show_demo(DemoView::Silent);
-            return;
+        let seconds = |time: Micros| time.as_secs_f64().ceil() as u32;
+        let view = DemoView::TakenOver { seconds_left: seconds(IDLE.since(quiet)), of: seconds(IDLE) };
+        thread.host().show_demo(view);
+    }
+    thread.host().show_demo(DemoView::Silent);
+}
+
+/// Plays what comes before the demonstration: unseen, and as fast as the computer can.
+pub fn prepare<S: Storage>(host: &mut Host<HostedSimulation, S>, shared: &SharedArgs, story: &StoryFile) {
+    let mut stage = Preparation(host);
+    let mut player = story.player(&mut stage, shared.lang, false);
+    story.acts().0.iter().for_each(|line| tell_failure(line, player.play(line)));
+}
+
+/// A demonstration goes on: what fails is told to whoever wrote the story.
+fn tell_failure(line: &StoryLine, done: Result<(), String>) {
+    if let Err(why) = done {
+        warn_line!("FAIL  line {}, {}: {why}", line.number, line.text);
+    }
+}
+
+/// A machine that is prepared: without a clock, but for what its storage reads.
+struct Preparation<'a, S>(&'a mut Host<HostedSimulation, S>);
+
+impl<S: Storage> Stage for Preparation<'_, S> {
+    type Machine = HostedSimulation;
+    type Storage = S;
+
+    fn host(&mut self) -> &mut Host<HostedSimulation, S> {
+        self.0
+    }
+
+    fn step(&mut self) {
+        if self.0.awaits_part() {
+            std::thread::sleep(std::time::Duration::from_micros(self.0.tick_time().0));
         }
+        self.0.step();
+    }
+
+    fn power_cut(&mut self) {
+        self.0.power_cut();
+    }
+
+    fn power_on(&mut self) {
+        self.0.power_on();
+    }
+
+    fn is_interrupted(&self) -> bool {
+        false
     }
 }

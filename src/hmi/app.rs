@@ -21,6 +21,7 @@ use super::variable_entry::VariableEntry;
 use super::{EditKey, KeyboardInput, View, aside, blink_phase, clock_time, demo_band, file_command, keyboard};
 use crate::defs::favourite::Favourite;
 use crate::defs::key::Key;
+use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::soft_key::{self, SoftKeyAction};
@@ -34,6 +35,7 @@ use crate::link::media::Screenshot;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
 use crate::link::screens::Picture;
 use crate::link::{Command, Snapshot};
+use crate::units::Micros;
 
 /// How long a local refusal stays in the message line, s.
 const HINT_SECONDS: f64 = 5.0;
@@ -49,6 +51,8 @@ pub struct Hmi {
     brightness: u8,
     page: Option<Page>,
     pages: PageSet,
+    /// Kind and time of the newest snapshot.
+    recorded: Option<(Kind, Micros)>,
     panel: OperatorPanel,
     presses: KeyPresses,
     /// The help over a page.
@@ -95,6 +99,7 @@ impl Hmi {
             brightness: *BRIGHTNESS.end(),
             page: None,
             pages: PageSet::default(),
+            recorded: None,
             panel: OperatorPanel::default(),
             presses: KeyPresses::default(),
             help: Help::default(),
@@ -191,8 +196,13 @@ impl Hmi {
         self.closing.is_confirmed()
     }
 
-    /// Every page records what it needs of a snapshot; called for each new one, painted or not.
+    /// Every page records what it needs of a snapshot; called for each new one, painted or not. On another control all pages
+    /// begin anew.
     pub fn record(&mut self, snapshot: &Snapshot) {
+        if self.recorded.is_some_and(|(kind, at)| kind != snapshot.kind || at > snapshot.now) {
+            (self.page, self.pages, self.picture) = (None, PageSet::default(), None);
+        }
+        self.recorded = Some((snapshot.kind, snapshot.now));
         self.pages.record(snapshot);
     }
 
@@ -227,10 +237,11 @@ impl Hmi {
             frame.entry.set(None);
         }
         self.draw_content(content, &view, &asked, &mut out);
+        demo_band::title(&view, content);
         if let Some(band) = band {
             demo_band::ui(&view, band);
-            out.extend(demo_band::is_touched(ui).then_some(Command::TakeOver));
         }
+        out.extend(demo_band::takes_over(&view).then_some(Command::TakeOver));
         self.closing.ui(content, &view, &to_closing, &mut out);
         let typing = !self.is_page_covered() && self.pages.wants_pad(&view) || self.closing.wants_pad();
         self.pad.ui(&view, self.pages.pad_room(&view, content), typing);

@@ -6,13 +6,18 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 
 use egui::{Align2, Color32, Event, Rect, Shape, Stroke, Ui, vec2};
 
-use super::{Area, View, theme};
+use super::{Area, View, page_frame, theme};
 use crate::link::demo_view::DemoView;
 
 /// Height of the band at the lower edge of the page: two lines.
 const HEIGHT: f32 = 76.0;
 /// Width of what invites to a touch.
 const INVITATION_WIDTH: f32 = 150.0;
+/// How much of the page a title hides, its height, that of the name of the machine and of the rule below it.
+const VEIL: f32 = 0.92;
+const TITLE_HEIGHT: f32 = 220.0;
+const TITLE_LETTERS: f32 = 64.0;
+const TITLE_RULE: f32 = 28.0;
 /// Radius of the ring, its width, and the points of a full one.
 const RADIUS: f32 = 15.0;
 const RING: f32 = 4.0;
@@ -20,15 +25,19 @@ const POINTS: u32 = 60;
 
 /// The room of the page, and that of the band below it, if something is to be said.
 pub fn split(content: Rect, demo: &DemoView) -> (Rect, Option<Rect>) {
-    if *demo == DemoView::Silent {
+    if matches!(demo, DemoView::Silent | DemoView::Title(_)) {
         return (content, None);
     }
     let (page, band) = content.split_bottom(HEIGHT);
     (page, Some(band))
 }
 
-/// Whether somebody has touched the screen or a key in this frame, wherever.
-pub fn is_touched(ui: &Ui) -> bool {
+/// Whether somebody has touched the screen or a key in this frame, wherever, while a demonstration runs.
+pub fn takes_over(view: &View<'_>) -> bool {
+    view.snapshot.host.demo != DemoView::Silent && is_touched(view.ui)
+}
+
+fn is_touched(ui: &Ui) -> bool {
     ui.input(|input| {
         let is_act = |event: &Event| {
             matches!(
@@ -46,7 +55,7 @@ pub fn ui(view: &View<'_>, band: Rect) {
     view.filled_card(band, view.theme.background, view.theme.focus);
     let band = band.shrink2(vec2(theme::PAD, 6.0));
     match &view.snapshot.host.demo {
-        DemoView::Silent => {}
+        DemoView::Silent | DemoView::Title(_) => {}
         DemoView::Caption(caption) => {
             let (words, invitation) = band.split_right(INVITATION_WIDTH);
             view.text_rows(words.trim_right(theme::PAD), &caption.get(view.lang), theme::SECONDARY, view.theme.text, 2);
@@ -71,6 +80,20 @@ pub fn ui(view: &View<'_>, band: Rect) {
             view.text_rows(words.trim_left(theme::PAD), &text, theme::TITLE, view.theme.text, 2);
         }
     }
+}
+
+/// What the film shows next, in large letters over the page.
+pub fn title(view: &View<'_>, page: Rect) {
+    let DemoView::Title(title) = &view.snapshot.host.demo else { return };
+    view.painter.rect_filled(page, 0.0, view.theme.background.gamma_multiply(VEIL));
+    let room = Rect::from_center_size(page.center(), vec2(page.width() - 2.0 * theme::PAD, TITLE_HEIGHT));
+    let (name, rest) = room.split_top(TITLE_LETTERS * 1.4);
+    let (rule, words) = rest.split_top(TITLE_RULE);
+    let machine = page_frame::machine_name(view);
+    view.line(name, Align2::CENTER_CENTER, &machine, TITLE_LETTERS, view.theme.text);
+    let rule = Rect::from_center_size(rule.center(), vec2(TITLE_LETTERS * 4.0, 2.0 * theme::FRAME));
+    view.painter.rect_filled(rule, 0.0, view.theme.info);
+    view.centred_text(words, &title.get(view.lang), theme::FIGURE, view.theme.text);
 }
 
 /// A ring that fills from the top, clockwise.

@@ -36,6 +36,14 @@ pub enum FrameTouch {
     InterruptedRun,
 }
 
+/// The name of the machine without its kind in words.
+pub fn machine_name(view: &View<'_>) -> String {
+    let name = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
+    let mut letters = name.chars();
+    let first: String = letters.next().map(char::to_uppercase).into_iter().flatten().collect();
+    first + letters.as_str()
+}
+
 /// Draws the header: kind · page, program and block, mode, state, alarms, clock, help.
 pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     view.painter.rect_filled(rect, 0.0, view.theme.surface);
@@ -73,10 +81,7 @@ pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     let place = Rect::from_min_max(pos2(right - wanted.max(122.0), row.min.y), pos2(right, row.max.y));
     view.fit_right(place, &program, theme::LABEL, view.theme.text);
     let title = row.with_max_x(place.min.x - theme::PAD);
-    let kind = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
-    let mut letters = kind.chars();
-    let first: String = letters.next().map(char::to_uppercase).into_iter().flatten().collect();
-    let kind = first + letters.as_str();
+    let kind = machine_name(view);
     let page = view.snapshot.page.title_on(view.snapshot.kind).get(view.lang);
     let with_kind = format!("{kind} · {page}");
     // The kind makes way for a long title.

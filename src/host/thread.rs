@@ -16,6 +16,7 @@ use super::clock::time_of_day;
 use super::control_end::ControlEnd;
 use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, NetworkLink, ThreadHealth};
+use super::simulated::HostedSimulation;
 use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
 use super::storage::Storage;
 use crate::defs::{alarm, param};
@@ -107,6 +108,20 @@ where
     let observer = Some((observer, proposals));
     let network = NetworkLink::default();
     Ok(HostLink { commands, urgent, snapshots: newest, observer, network, updated, health, end, thread: Some(thread) })
+}
+
+impl<S: Storage> HostThread<HostedSimulation, S> {
+    /// Puts another control with its simulated machine in the place of this one, between two ticks. What was sent to the old
+    /// one does not reach the new one.
+    pub fn exchange(&mut self, host: Host<HostedSimulation, S>) {
+        let rights = self.host.times.rights;
+        let mut left = std::mem::replace(&mut self.host, host);
+        self.host.times.rights = rights;
+        left.leave_safe();
+        left.close();
+        self.from_urgent.try_iter().chain(self.from_screen.try_iter()).for_each(drop);
+        self.from_network.try_iter().for_each(drop);
+    }
 }
 
 /// Runs the control until it is stopped: the script of the window.

@@ -9,6 +9,8 @@ pub enum DemoView {
     /// None runs, or it says nothing.
     #[default]
     Silent,
+    /// What follows, in large letters over the page.
+    Title(LocalizedText),
     /// The story says this, and whoever touches the screen takes over.
     Caption(LocalizedText),
     /// Somebody has touched the screen: without another touch the story begins again.

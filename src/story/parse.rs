@@ -14,6 +14,7 @@ use crate::defs::scope_signal::ScopeSignal;
 use crate::defs::signal::{Input, Output, PORTS};
 use crate::defs::text::LocalizedText;
 use crate::io::sim::{EventKind, SimulatedMachine};
+use crate::link::demo_view::DemoView;
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::{DataChoice, PageCommand, PasswordScope, Secret};
 use crate::link::production::{OrderCommand, OrderProposal};
@@ -179,16 +180,16 @@ impl LineParser {
             "disk" => Statement::Disk(self.disk()?),
             "screen" => Statement::ScreenHangs(self.screen_hangs()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
-            "caption" => Statement::Caption(self.caption()?),
+            "caption" => Statement::ShowDemo(self.caption()?),
+            "title" => Statement::ShowDemo(DemoView::Title(LocalizedText::new(self.quoted()?, self.quoted()?))),
+            "prepared" => Statement::Prepared,
             "sheet" => Statement::Sheet(self.one_of("a sheet from 1", |word| word.parse().ok().filter(|n| *n > 0))?),
             "input" => self.input()?,
             "fault" => self.fault()?,
             "wait" => self.wait()?,
             "seed" => Statement::Seed(self.one_of("a whole number", |word| word.parse().ok())?),
-            "part" => Statement::Part(self.word("a file")?.trim_start_matches('"').to_owned()),
-            "screw" => {
-                Statement::Screw(self.one_of("an axis", axis)?, self.word("a file")?.trim_start_matches('"').to_owned())
-            }
+            "part" => Statement::Part(self.file()?),
+            "screw" => Statement::Screw(self.one_of("an axis", axis)?, self.file()?),
             "expect" => Statement::Expect(self.expect(kind)?),
             verb => return Err(self.error(format!("'{verb}' is not a statement"))),
         };
@@ -523,14 +524,18 @@ impl LineParser {
         self.one_of("on or off", on_off)
     }
 
-    fn caption(&mut self) -> Result<Option<LocalizedText>, StoryError> {
+    fn file(&mut self) -> Result<String, StoryError> {
+        self.word("a file").map(|word| word.trim_start_matches('"').to_owned())
+    }
+
+    fn caption(&mut self) -> Result<DemoView, StoryError> {
         let zh = self.one_of("off, or two texts in quotes", |word| {
             (word == "off").then(String::new).or_else(|| word.strip_prefix('"').map(str::to_owned))
         })?;
         if zh.is_empty() {
-            return Ok(None);
+            return Ok(DemoView::Silent);
         }
-        Ok(Some(LocalizedText::new(zh, self.quoted()?)))
+        Ok(DemoView::Caption(LocalizedText::new(zh, self.quoted()?)))
     }
 
     fn quoted(&mut self) -> Result<String, StoryError> {

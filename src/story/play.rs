@@ -8,7 +8,7 @@ use super::statement::{Expectation, InputForce, Quantity, Statement, StoryLine, 
 use crate::defs::key::{Key, Mode};
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
-use crate::defs::text::{Lang, LocalizedText};
+use crate::defs::text::Lang;
 use crate::host::Host;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::part::PartRule;
@@ -90,7 +90,7 @@ impl<'a, G: Stage> Player<'a, G> {
     /// Why an expectation or a statement failed.
     pub fn play(&mut self, line: &StoryLine) -> Result<(), String> {
         match &line.statement {
-            Statement::Kind(_) => Ok(()),
+            Statement::Kind(_) | Statement::Prepared => Ok(()),
             Statement::PowerOn => self.power_on(),
             Statement::PowerCut => {
                 self.held_keys.clear();
@@ -126,7 +126,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::ProposeOrder(proposal) => self.send(Command::ProposeOrder(*proposal)),
             Statement::Disk(condition) => self.stage.set_disk(*condition),
             Statement::ScreenHangs(seconds) => self.stage.hang_screen(*seconds),
-            Statement::Caption(caption) => self.tell_spectators(caption.clone()),
+            Statement::ShowDemo(demo) => self.show_demo(demo.clone()),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
             Statement::Input(name, force) => self.force_input(name, *force),
@@ -148,8 +148,8 @@ impl<'a, G: Stage> Player<'a, G> {
         }
     }
 
-    fn tell_spectators(&mut self, caption: Option<LocalizedText>) -> Result<(), String> {
-        self.host().show_demo(caption.map_or(DemoView::Silent, DemoView::Caption));
+    fn show_demo(&mut self, demo: DemoView) -> Result<(), String> {
+        self.host().show_demo(demo);
         self.wait_for_answer()
     }
 

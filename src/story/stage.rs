@@ -3,10 +3,8 @@
 
 use super::statement::DiskCondition;
 use crate::host::Host;
-use crate::host::headless::HeadlessHost;
 use crate::host::hosted_machine::HostedMachine;
-use crate::host::simulated::HostedSimulation;
-use crate::host::storage::{DirectStorage, Storage};
+use crate::host::storage::Storage;
 use crate::host::thread::HostThread;
 
 /// Why a disk or a screen does not behave as a story wants.
@@ -44,9 +42,9 @@ pub trait Stage {
     fn is_interrupted(&self) -> bool;
 }
 
-impl Stage for HeadlessHost {
-    type Machine = HostedSimulation;
-    type Storage = DirectStorage;
+impl<P: HostedMachine, S: Storage> Stage for Host<P, S> {
+    type Machine = P;
+    type Storage = S;
 
     fn host(&mut self) -> &mut Self {
         self

@@ -6,8 +6,8 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output};
-use crate::defs::text::LocalizedText;
 use crate::io::sim::EventKind;
+use crate::link::demo_view::DemoView;
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::PageCommand;
 use crate::link::production::{OrderCommand, OrderProposal};
@@ -179,8 +179,11 @@ pub enum Statement {
     WaitUntil(WaitCondition, f64),
     /// `seed 7`
     Seed(u64),
-    /// `caption "砂轮启动" "the wheel starts"`: what spectators are told; `caption off`: nothing
-    Caption(Option<LocalizedText>),
+    /// `caption "砂轮启动" "the wheel starts"`, `title "平面磨床" "Surface grinder"`: what spectators are told below the page, or
+    /// in large letters over it; `caption off`: nothing
+    ShowDemo(DemoView),
+    /// `prepared`: a demonstration begins here; the lines before it are played unseen and at once
+    Prepared,
     /// `sheet 2` of a grinding page with several sheets; the first is 1
     Sheet(usize),
     /// `write O2001 "G00 X50"`: makes a program, or replaces its text.

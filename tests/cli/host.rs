@@ -11,6 +11,7 @@ use kt830::controller::{PowerOnState, nc_settings};
 use kt830::defs::alarm;
 use kt830::defs::date::DateTime;
 use kt830::defs::kind::Kind;
+use kt830::defs::page::Page;
 use kt830::defs::param::{self, ParamAddress, Params};
 use kt830::defs::signal::Input;
 use kt830::defs::text::LocalizedText;
@@ -592,6 +593,26 @@ fn b7_the_stepped_host_takes_the_new_tick_time_at_power_on() {
     let before = rig.now();
     rig.step();
     assert_eq!((rig.tick_time(), rig.now().since(before)), (Micros(4_000), Micros(4_000)));
+}
+
+/// Another simulated machine comes on the same thread; the screen sees it and commands it.
+#[test]
+fn t2_another_machine_takes_the_place_of_the_first() {
+    let (go, gone) = std::sync::mpsc::channel::<()>();
+    let script = move |thread: &mut HostThread<HostedSimulation, DirectStorage>| {
+        while gone.try_recv().is_err() {
+            thread.turn();
+        }
+        thread.exchange(crate::stories::ready_of(Kind::Gs));
+        run_until_stopped(thread);
+    };
+    let mut link = start(crate::stories::rig(), script).unwrap();
+    wait("the first machine", || link.newest().kind == Kind::Gc && link.newest().now > Micros::ZERO);
+    go.send(()).unwrap();
+    wait("the second machine", || link.newest().kind == Kind::Gs && link.newest().now > Micros::ZERO);
+    assert!(!link.health().failed.load(Ordering::Acquire));
+    assert!(link.send(Command::OpenPage(Page::Home)));
+    wait("a command", || link.newest().page == Page::Home);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use kt830::defs::param::ParamAddress;
 use kt830::defs::signal::Output;
 use kt830::defs::text::LocalizedText;
 use kt830::io::sim::EventKind;
+use kt830::link::demo_view::DemoView;
 use kt830::link::media::{Direction, TransferSet};
 use kt830::link::snapshot::RunState;
 use kt830::story::parse::{DEFAULT_TOLERANCE_MM, parse};
@@ -50,8 +51,8 @@ fn t5_every_statement_of_the_specification_is_read() {
     assert_eq!(one("import variables"), Statement::Transfer(Direction::Import, TransferSet::Variables));
     assert_eq!(one("stall"), Statement::Stall);
     let told = LocalizedText::new("砂轮启动", "the wheel starts");
-    assert_eq!(one("caption \"砂轮启动\" \"the wheel starts\""), Statement::Caption(Some(told)));
-    assert_eq!(one("caption off"), Statement::Caption(None));
+    assert_eq!(one("caption \"砂轮启动\" \"the wheel starts\""), Statement::ShowDemo(DemoView::Caption(told)));
+    assert_eq!(one("caption off"), Statement::ShowDemo(DemoView::Silent));
     assert_eq!(one("wait 200 ms"), Statement::Wait(0.2));
     assert_eq!(one("wait until X<10.5 max 5 s"), Statement::WaitUntil(WaitCondition::Axis(Axis::X, true, 10.5), 5.0));
     assert_eq!(one("wait until idle"), Statement::WaitUntil(WaitCondition::State(RunState::Idle), 60.0));

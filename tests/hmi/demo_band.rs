@@ -1,13 +1,14 @@
 //! What spectators of a demonstration see below the page (row T2).
 
 use egui_kittest::kittest::Queryable;
+use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::LocalizedText;
 use kt830::link::Command;
 use kt830::link::demo_view::DemoView;
 
 use crate::live_screen::Bench;
-use crate::stories::{ready, tell};
+use crate::stories::{ready, ready_of, tell};
 
 fn shown(demo: DemoView) -> Bench {
     let mut rig = ready();
@@ -63,6 +64,39 @@ fn t2_any_touch_and_any_key_takes_over() {
     let mut silent = shown(DemoView::Silent);
     press(&mut silent, true);
     assert!(!sent(&mut silent));
+}
+
+/// A title lies over the page, with the name of the machine; there is no band, and a touch takes over as well.
+#[test]
+fn t2_a_title_says_what_comes_next_and_a_touch_takes_over() {
+    let mut bench = shown(DemoView::Title(LocalizedText::new("一批零件", "a batch")));
+    let painted = bench.painted();
+    assert!(painted.iter().any(|text| text == "一批零件") && painted.iter().any(|text| text == "KT-830GC"));
+    assert!(!bench.shows("触摸试一试"), "{painted:?}");
+    bench.screen.step();
+    bench.screen.state_mut().sent.clear();
+    bench.screen.key_press(egui::Key::ArrowDown);
+    bench.screen.step();
+    assert!(bench.screen.state().sent.iter().any(|command| matches!(command, Command::TakeOver)));
+    let mut rig = ready();
+    tell(&mut rig, "title \"一批零件\" \"a batch\"\nprepared");
+    assert_eq!(rig.snapshot().host.demo, DemoView::Title(LocalizedText::new("一批零件", "a batch")));
+}
+
+/// Another machine comes under the screen: no page shows what was typed for the one before.
+#[test]
+fn t2_the_pages_begin_anew_on_another_machine() {
+    let mut rig = ready();
+    tell(&mut rig, "load O1002");
+    let mut bench = Bench::new(rig, Page::Grinding);
+    bench.write("12");
+    let typed = |bench: &Bench| bench.screen.state().hmi.variable_entry().map(|entry| entry.editor.text.clone());
+    assert_eq!(typed(&bench).as_deref(), Some("12"));
+    bench.rig = ready_of(Kind::Gs);
+    bench.rig.send(Command::OpenPage(Page::Grinding));
+    bench.turn();
+    assert_eq!(typed(&bench).as_deref(), Some(""));
+    assert!(bench.shows("KT-830GS"), "{:?}", bench.painted());
 }
 
 #[test]

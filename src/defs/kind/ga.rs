@@ -38,7 +38,7 @@ pub(super) static ROW: KindRow = KindRow {
     machine_file: include_str!("../../../assets/machines/ga.ron"),
     dressing_program: Some(1_014),
     demo_story: Some(include_str!("../../../assets/stories/first_part_ga.story")),
-    film_story: None,
+    film_stories: &[include_str!("../../../assets/stories/film_ga.story")],
     ui: KindUi {
         key_labels: PLANE_GAUGES,
         drawing_planes: &[(Axis::X, Axis::Z)],

@@ -33,7 +33,10 @@ pub(super) static ROW: KindRow = KindRow {
     machine_file: include_str!("../../../assets/machines/gc.ron"),
     dressing_program: Some(1_011),
     demo_story: Some(include_str!("../../../assets/stories/first_part.story")),
-    film_story: Some(include_str!("../../../assets/stories/film.story")),
+    film_stories: &[
+        include_str!("../../../assets/stories/film_gc.story"),
+        include_str!("../../../assets/stories/film_batch.story"),
+    ],
     ui: KindUi {
         // Seen from above: Z along the part, X to the wheel; X− moves the wheel to the part, towards the operator.
         drawing_planes: &[(Axis::Z, Axis::X)],

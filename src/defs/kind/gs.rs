@@ -43,7 +43,7 @@ pub(super) static ROW: KindRow = KindRow {
     machine_file: include_str!("../../../assets/machines/gs.ron"),
     dressing_program: Some(1_013),
     demo_story: Some(include_str!("../../../assets/stories/first_part_gs.story")),
-    film_story: None,
+    film_stories: &[include_str!("../../../assets/stories/film_gs.story")],
     ui: KindUi {
         key_labels: PLANE_GAUGES,
         drawing_planes: &[(Axis::X, Axis::Y), (Axis::Z, Axis::Y), (Axis::X, Axis::Z)],

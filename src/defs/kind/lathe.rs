@@ -54,7 +54,7 @@ pub(super) static ROW: KindRow = KindRow {
     machine_file: include_str!("../../../assets/machines/lathe.ron"),
     dressing_program: None,
     demo_story: Some(include_str!("../../../assets/stories/shaft.story")),
-    film_story: None,
+    film_stories: &[],
     ui: KindUi {
         spindle_name: Text::new("主轴", "spindle"),
         last_process_item: Text::new("刀位", "station"),

@@ -89,8 +89,8 @@ pub struct KindRow {
     pub dressing_program: Option<u32>,
     /// The story that `kt830 demo` plays; it names the kind. `None`: that of the default kind.
     pub demo_story: Option<&'static str>,
-    /// The same for spectators, with captions.
-    pub film_story: Option<&'static str>,
+    /// What spectators see instead, one story after the other, with captions; empty: the story above.
+    pub film_stories: &'static [&'static str],
     /// Labels, drawings and the operator panel.
     pub ui: KindUi,
 }

@@ -55,7 +55,7 @@ pub(super) static ROW: KindRow = KindRow {
     machine_file: include_str!("../../../assets/machines/vertical.ron"),
     dressing_program: None,
     demo_story: Some(include_str!("../../../assets/stories/vertical.story")),
-    film_story: None,
+    film_stories: &[],
     ui: KindUi {
         // S3: the grinding page shows the R parameters.
         page_titles: &[(Page::Grinding, Text::new("R 参数", "R parameters"))],
