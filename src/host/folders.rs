@@ -485,7 +485,10 @@ fn picture(folder: &Folder, number: u32) -> Result<Arc<Picture>, FileFault> {
 }
 
 /// The places of the variables in a picture; none without the file.
-fn picture_labels(folder: &Folder, number: u32) -> Result<Vec<PictureLabel>, FileFault> {
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn picture_labels(folder: &Folder, number: u32) -> Result<Vec<PictureLabel>, FileFault> {
     if folder.find(&PICTURE_LABELS, number).is_err() {
         return Ok(Vec::new());
     }

@@ -170,6 +170,9 @@ impl JobRunner {
             FileRequest::ImportPicture { page, from, name } => {
                 report_page_change(pages.take_picture(*page, *from, name), tell)
             }
+            FileRequest::SavePictureLabels { page, labels, base } => {
+                report_page_change(pages.save_labels(*page, labels, base, job.settings.dialect), tell)
+            }
             FileRequest::Transfer(ask) if ask.set == TransferSet::Serial => self.transfer_serial(ask, job, tell),
             FileRequest::Transfer(ask) => self.transfer_usb(ask, job, tell),
             FileRequest::ImportLeadscrew(axis) => {

@@ -6,18 +6,21 @@ use std::collections::BTreeMap;
 
 use ropey::Rope;
 
-use super::folders::parse_picture;
+use super::folders::{parse_picture, picture_labels};
 use super::job_answer::{JobResult, done, error_refusal, no_usb_drive, refusal, saved};
+use super::picture_labels::picture_labels_text;
 use super::transfer::{FOREIGN_PICTURE, convert_picture};
 use crate::controller::files::BackgroundJob;
+use crate::defs::kind::Dialect;
 use crate::defs::page_text::{COLUMN_ROWS, VariableUse};
-use crate::defs::text::Lang;
-use crate::link::files::Refusal;
+use crate::defs::text::{Lang, phrase};
+use crate::link::files::{FileAnswer, Refusal};
 use crate::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
+use crate::link::screens::PictureLabel;
 use crate::nc::program_uses::find_uses;
 use crate::store::{
-    Encoding, FileClass, Folder, FolderError, PAGE_TEXT, PAGE_TEXT_EN, PAGE_TEXT_LIMIT, PICTURE, UsbDrive, decode,
-    encode, stamp,
+    Encoding, FileClass, Folder, FolderError, PAGE_TEXT, PAGE_TEXT_EN, PAGE_TEXT_LIMIT, PICTURE, PICTURE_LABELS,
+    UsbDrive, decode, encode, stamp,
 };
 
 /// Page number minus file number.
@@ -117,6 +120,23 @@ impl PageFileFolder {
         }
         let name = self.screens.write(class(id), file, &bytes)?;
         Ok(saved(&name, id.page, &bytes, kept))
+    }
+
+    /// Replaces the places of the variables in the picture, unless the file has others than those that were changed.
+    pub fn save_labels(
+        &self,
+        page: u32,
+        labels: &[PictureLabel],
+        base: &[PictureLabel],
+        dialect: Dialect,
+    ) -> JobResult {
+        let file = file_number(page)?;
+        let found = picture_labels(&self.screens, file).map_err(|fault| Refusal::Other(fault.full_message()))?;
+        if found != base {
+            return Err(Refusal::Conflict);
+        }
+        let name = self.screens.write(&PICTURE_LABELS, file, picture_labels_text(labels, dialect).as_bytes())?;
+        Ok(FileAnswer::Done(phrase!("{name} 已保存", "{name} saved", name)))
     }
 
     /// Copies a file to the picture of a page; converts it if necessary.

@@ -3,6 +3,7 @@
 
 use serde::Deserialize;
 
+use crate::defs::kind::Dialect;
 use crate::defs::text::LocalizedText;
 use crate::defs::variable_name;
 use crate::link::screens::{FileFault, PictureLabel};
@@ -18,6 +19,16 @@ struct LabelRow {
     variable: String,
     /// Left, top, right, bottom, pixels.
     area: (u16, u16, u16, u16),
+}
+
+/// The text of D00nn.RON with these places, a row each.
+#[must_use]
+pub fn picture_labels_text(labels: &[PictureLabel], dialect: Dialect) -> String {
+    let row = |label: &PictureLabel| {
+        let variable = variable_name::variable_name(u32::from(label.variable), dialect);
+        format!("    (variable: \"{variable}\", area: {:?}),\n", label.area)
+    };
+    format!("[\n{}]\n", labels.iter().map(row).collect::<String>())
 }
 
 /// Parses the places of the variables in a picture: `[(variable: "#520", area: (left, top, right, bottom)), …]`, pixels.

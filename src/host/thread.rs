@@ -16,13 +16,14 @@ use super::clock::time_of_day;
 use super::control_end::ControlEnd;
 use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, NetworkLink, ThreadHealth};
-use super::simulated::HostedSimulation;
 use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
+use super::simulated::HostedSimulation;
 use super::storage::Storage;
 use crate::defs::{alarm, param};
 use crate::io::fieldbus::ClockReading;
 use crate::link::command::Command;
 use crate::link::observed::ObservedSnapshot;
+use crate::link::page_command::PageCommand;
 use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 use crate::units::Micros;
@@ -214,7 +215,8 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
 
     fn receive(&mut self) {
         for command in self.from_urgent.try_iter().chain(self.from_screen.try_iter().take(COMMAND_QUEUE)) {
-            self.touched |= !matches!(command, Command::KeepAlive);
+            // A page reads its files by itself.
+            self.touched |= !matches!(command, Command::KeepAlive | Command::Page(PageCommand::File(..)));
             self.host.send(command);
         }
         if let Ok(proposal) = self.from_network.try_recv() {

@@ -10,6 +10,7 @@ use ropey::Rope;
 use super::line_fault::LineFault;
 use super::media::{MediaView, Screenshot, TransferRequest};
 use super::page_file::{PageFile, PageTextId, PictureLocation};
+use super::screens::PictureLabel;
 use super::teach::TaughtBlock;
 use super::toolpath::Toolpath;
 use crate::defs::alarm;
@@ -149,6 +150,15 @@ pub enum FileRequest {
         from: PictureLocation,
         /// Its file name.
         name: String,
+    },
+    /// Replaces the places of the variables in the picture of a page.
+    SavePictureLabels {
+        /// 1000 plus the file number.
+        page: u32,
+        /// The new places.
+        labels: Vec<PictureLabel>,
+        /// The places that were changed: others in the file are a conflict.
+        base: Vec<PictureLabel>,
     },
     /// Reads the leadscrew table of an axis from a file of the medium (B7).
     ImportLeadscrew(Axis),

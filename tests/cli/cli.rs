@@ -156,8 +156,11 @@ fn t2_a_film_has_a_picture_for_each_moment_and_says_what_cannot_be() {
     let count = std::fs::read_dir(&fast).unwrap().count();
     assert!((60..=62).contains(&count), "{count} pictures");
     // What comes before `prepared` is played, but not seen.
-    std::fs::write(story, "kind gs\npower on\nkey 液压\nwait 30 s\nprepared\nexpect input hydraulic-pressure on\nwait 1 s\n")
-        .unwrap();
+    std::fs::write(
+        story,
+        "kind gs\npower on\nkey 液压\nwait 30 s\nprepared\nexpect input hydraulic-pressure on\nwait 1 s\n",
+    )
+    .unwrap();
     let short = folder.path().join("prepared");
     let out = kt830(&["demo", story, "--record", short.to_str().unwrap(), "--fps", "4"]);
     assert_eq!(status(&out), 0, "{}{}", String::from_utf8_lossy(&out.stdout), errors(&out));

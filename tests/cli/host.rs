@@ -633,6 +633,10 @@ fn a_story_plays_on_the_thread_until_somebody_touches_the_screen() {
     let mut link = start(crate::stories::rig(), script).unwrap();
     wait("the program", || link.newest().program.number == 1_002);
     assert!(link.send(Command::KeepAlive), "no touch");
+    let reading = PageCommand::File(Ticket::without_reply(Requester::Editor), FileRequest::ListMedia);
+    assert!(link.send(Command::Page(reading)), "a page reads by itself");
+    wait("both commands", || link.newest().now > Micros::from_millis(500));
+    assert!(told.try_recv().is_err());
     assert!(link.send(Command::Press(kt830::defs::key::Key::Hydraulic)));
     let (parts, now) = told.recv_timeout(DEADLINE).unwrap();
     assert!(parts == 1 && now < Micros::from_millis(60_000), "{parts} parts at {now:?}");

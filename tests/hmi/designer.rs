@@ -15,20 +15,21 @@ use tempfile::TempDir;
 
 const PROGRAM: &str =
     "O1003 (TEST)\r\n#101=#500-#502 (磨量)\r\nG00 X#500\r\nG01 X#501 F#512 (粗磨速度)\r\n#511=#511+1\r\nM30\r\n";
-const PAGE: &str =
+pub const PAGE: &str =
     "测试;\r\n\r\n始磨位置 #500;\r\n终点位置 #501;\r\n不用的 #520;\r\n;\r\n;\r\n;\r\n;\r\n;\r\n;\r\n;\r\n\r\n%\r\n";
 
-struct Shop {
+/// A shop with the page designer open.
+pub struct Shop {
     folder: TempDir,
-    bench: Bench,
+    pub bench: Bench,
 }
 
 impl Shop {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self::with(Some(PAGE))
     }
 
-    fn with(page: Option<&str>) -> Self {
+    pub fn with(page: Option<&str>) -> Self {
         Self::of(page, PROGRAM)
     }
 
@@ -55,16 +56,16 @@ impl Shop {
         Self { folder, bench }
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    fn tell(&mut self, story: &str) {
+    pub fn tell(&mut self, story: &str) {
         crate::stories::tell(&mut self.bench.rig, story);
         self.bench.turn();
     }
 
-    fn edit(&mut self) {
+    pub fn edit(&mut self) {
         self.tell("mode edit");
         self.bench.touch("编辑 page-edit");
         if self.bench.asks_password() {
@@ -74,16 +75,16 @@ impl Shop {
         assert!(self.bench.screen.query_by_label("保存 page-save").is_some(), "not editing: {}", self.refusal());
     }
 
-    fn save(&mut self) -> String {
+    pub fn save(&mut self) -> String {
         self.bench.touch("保存 page-save");
         self.page()
     }
 
-    fn page(&self) -> String {
+    pub fn page(&self) -> String {
         GBK.decode(&fs::read(self.path("screens/C0003.TXT")).unwrap()).0.into_owned()
     }
 
-    fn refusal(&self) -> String {
+    pub fn refusal(&self) -> String {
         self.bench.screen.state().hmi.refusal(Lang::Zh).map(|(_, why)| why).unwrap_or_default()
     }
 }

@@ -17,6 +17,7 @@ mod closing;
 mod core_fault;
 mod demo_band;
 mod designer;
+mod designer_arrange;
 mod dressing_point;
 mod editor;
 mod english;

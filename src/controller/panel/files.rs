@@ -113,9 +113,9 @@ impl Panel {
             FileRequest::New(number) => self.check_new_program(parts, *number),
             FileRequest::SaveRecording(_) => self.check_program_write(parts, 0),
             // K6.2: a page has the same protection as its program.
-            FileRequest::SavePage { id: PageTextId { page, .. }, .. } | FileRequest::ImportPicture { page, .. } => {
-                self.check_program_edit(parts, *page)
-            }
+            FileRequest::SavePage { id: PageTextId { page, .. }, .. }
+            | FileRequest::ImportPicture { page, .. }
+            | FileRequest::SavePictureLabels { page, .. } => self.check_program_edit(parts, *page),
             FileRequest::Copy { to, .. } => self.check_new_program(parts, *to),
             FileRequest::Rename { from, to } => {
                 self.check_program_edit(parts, *from).and_then(|()| self.check_new_program(parts, *to))

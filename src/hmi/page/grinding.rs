@@ -5,7 +5,8 @@ mod dressing_line;
 pub use dressing_line::ActingPoint;
 mod part_card;
 mod picture_column;
-mod picture_labels;
+pub mod picture_labels;
+pub mod preview;
 
 use std::sync::Arc;
 
@@ -18,9 +19,7 @@ use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
 use crate::defs::text::phrase;
 use crate::hmi::variable_entry::{self, VariableEntry};
-use crate::hmi::{
-    Area, EditKey, FieldEditor, KeycapState, ValueField, View, keycap, page_frame as lines, pictogram, theme, widget,
-};
+use crate::hmi::{Area, EditKey, FieldEditor, ValueField, View, keycap, page_frame as lines, pictogram, theme, widget};
 use crate::link::screens::{FileFault, Picture, ScreenFiles};
 use crate::link::snapshot::AlarmView;
 use crate::link::{Command, Snapshot};
@@ -45,6 +44,8 @@ const UNIT_WIDTH: f32 = 60.0;
 const STACKED_HEIGHT: f32 = 46.0;
 /// The same for smaller text sizes.
 const COMPACT_HEIGHT: f32 = 36.0;
+/// The same for two lines at all.
+const DENSE_HEIGHT: f32 = 32.0;
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -250,23 +251,36 @@ fn position_column(rect: Rect, view: &View<'_>) {
     position::process_values(rest.trim_top(48.0), view);
 }
 
+/// Lines for which the fields have room.
+fn line_count(columns: Columns<'_>) -> usize {
+    let used = columns.iter().filter_map(|rows| rows.iter().rposition(Option::is_some)).max();
+    used.map_or(0, |last| last + 1).max(LEAST_LINES)
+}
+
+/// Rectangle and row of each place for a field, the left column first.
+fn cells(body: Rect, columns: Columns<'_>, lines: usize) -> impl Iterator<Item = (Rect, Option<&PageTextRow>)> {
+    let rows = columns.into_iter().flat_map(move |rows| rows.iter().take(lines).map(Option::as_ref));
+    cell_places(body, lines).zip(rows)
+}
+
 /// Rectangle of each field of the two columns, in reading order.
 fn field_places(body: Rect, columns: Columns<'_>) -> impl Iterator<Item = (Rect, &PageTextRow)> {
+    cells(body, columns, line_count(columns)).filter_map(|(place, row)| Some((place, row?)))
+}
+
+/// Rectangle of each place for a field, the left column first.
+fn cell_places(body: Rect, lines: usize) -> impl Iterator<Item = Rect> {
     let width = (body.width() - theme::GAP) / 2.0;
-    let used =
-        columns.iter().filter_map(|rows| rows.iter().rposition(Option::is_some)).max().map_or(0, |last| last + 1);
-    let lines = used.max(LEAST_LINES) as f32;
-    let height = ((body.height() - (lines - 1.0) * LINE_GAP) / lines).min(58.0);
-    columns.into_iter().enumerate().flat_map(move |(column, rows)| {
-        rows.iter().enumerate().filter_map(move |(line, row)| {
-            let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + LINE_GAP));
-            Some((Rect::from_min_size(corner, vec2(width, height)), row.as_ref()?))
-        })
+    let height = ((body.height() - (lines as f32 - 1.0) * LINE_GAP) / lines as f32).min(58.0);
+    (0..2 * lines).map(move |index| {
+        let (column, line) = (index / lines, index % lines);
+        let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + LINE_GAP));
+        Rect::from_min_size(corner, vec2(width, height))
     })
 }
 
 fn fields(body: Rect, view: &View<'_>, columns: Columns<'_>, entry: &mut VariableEntry) {
-    let layout = FieldLayout::of(view, body, columns);
+    let layout = FieldLayout::of(view, body, columns, line_count(columns));
     for (index, (place, row)) in field_places(body, columns).enumerate() {
         let name = format!("{} {}", row.label_in(view.lang), view.variable_name(row.variable));
         let response = view.touch(place, ("field", index), name);
@@ -316,12 +330,14 @@ enum FieldLayout {
     Compact,
     /// Stacked in the smallest text sizes, for the preview of a page.
     Dense,
+    /// Side by side in the smallest text sizes, for a preview with ten lines.
+    OneLine,
 }
 
 impl FieldLayout {
-    fn of(view: &View<'_>, body: Rect, columns: Columns<'_>) -> Self {
-        let first = field_places(body, columns).next();
-        let (width, height) = first.map_or((0.0, 0.0), |(place, _)| (place.width(), place.height()));
+    fn of(view: &View<'_>, body: Rect, columns: Columns<'_>, lines: usize) -> Self {
+        let first = cell_places(body, lines).next();
+        let (width, height) = first.map_or((0.0, 0.0), |place| (place.width(), place.height()));
         let room = width - 16.0 - VALUE_WIDTH;
         let fits = |row: &PageTextRow| label_width(view, row, theme::LABEL) <= room;
         let beside = width >= SIDE_BY_SIDE_WIDTH && columns.into_iter().flatten().flatten().all(fits);
@@ -329,34 +345,10 @@ impl FieldLayout {
             true => Self::SideBySide,
             false if height >= STACKED_HEIGHT => Self::Stacked,
             false if height >= COMPACT_HEIGHT => Self::Compact,
-            false => Self::Dense,
+            false if height >= DENSE_HEIGHT => Self::Dense,
+            false => Self::OneLine,
         }
     }
-}
-
-/// Preview for the page designer: title, fields and picture of the page with a number. Nothing in it reacts to input.
-pub fn preview(rect: Rect, view: &View<'_>, text: &PageText, number: u32, texture: Option<TextureId>) {
-    let columns = [&text.left, &text.right];
-    let split = |scale: f32| {
-        let (middle, picture) = rect.split_right(theme::PICTURE.x * scale + 2.0);
-        (middle.trim_right(theme::GAP), picture)
-    };
-    // On the grinding page every label fits. The preview has less room, so it shrinks the picture.
-    let fits = |middle: Rect| {
-        let room = (middle.width() - theme::GAP) / 2.0 - 16.0;
-        columns.into_iter().flatten().flatten().all(|row| label_width(view, row, theme::SMALL) <= room)
-    };
-    let scale = [1.0, 0.75, 0.5].into_iter().find(|scale| fits(split(*scale).0)).unwrap_or(0.5);
-    let (middle, picture) = split(scale);
-    let (title, body) = middle.split_top(34.0);
-    lines::title(view, title, &heading(view, text));
-    let layout = FieldLayout::of(view, body, columns);
-    for (place, row) in field_places(body, columns) {
-        keycap::paint_body(view, place, KeycapState::default());
-        field(place, view, row, layout, None);
-    }
-    let files = view.snapshot.screens.find(number);
-    show_picture(Rect::from_min_size(picture.min, theme::PICTURE * scale), view, number, files, texture);
 }
 
 /// The title as the grinding page shows it (K7.2).
@@ -369,13 +361,14 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
     let (edge, small, large) = match layout {
         FieldLayout::SideBySide | FieldLayout::Stacked => (3.0, theme::LABEL, theme::SECONDARY),
         FieldLayout::Compact => (2.0, theme::SMALL, theme::TITLE),
-        FieldLayout::Dense => (1.0, theme::SMALL, theme::LABEL),
+        FieldLayout::Dense | FieldLayout::OneLine => (1.0, theme::SMALL, theme::LABEL),
     };
     let inside = place.shrink2(vec2(8.0, edge));
     let (label, value) = match layout {
         FieldLayout::SideBySide => inside.split_right(VALUE_WIDTH),
         FieldLayout::Stacked | FieldLayout::Compact => inside.split_top_bottom_at_fraction(0.46),
         FieldLayout::Dense => inside.split_top_bottom_at_fraction(0.5),
+        FieldLayout::OneLine => inside.split_left_right_at_fraction(0.62),
     };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.muted };
     view.fit_left(label, row.name_in(view.lang), small, ink);

@@ -149,7 +149,11 @@ impl DesignerPage {
         let page = &self.reading.page;
         let slots = page.left.iter().chain(&page.right);
         let faulty = |line: u32| self.reading.faults.iter().any(|fault| fault.line == line);
-        let free = slots.zip(&self.reading.entry_positions).find(|(slot, (line, _))| slot.is_none() && !faulty(*line));
+        let free = slots.zip(&self.reading.entry_positions).enumerate();
+        let free = free.filter(|(_, (slot, (line, _)))| slot.is_none() && !faulty(*line));
+        // The chosen place comes first.
+        let chosen = self.chosen_entry();
+        let free = free.min_by_key(|(index, _)| Some(*index) != chosen).map(|(_, free)| free);
         let at = match (free, self.reading.end) {
             (Some((_, (line, column))), _) => Ok((*line, *column, format!("{label} {name}"))),
             (None, Some((line, column))) if self.reading.entry_positions.len() < 2 * COLUMN_ROWS => {

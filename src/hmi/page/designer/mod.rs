@@ -3,6 +3,7 @@
 //! Source: spec K5.12, K6.2, K7.2–K7.4, H9.
 
 mod actions;
+mod arrange;
 mod paint;
 
 use std::sync::Arc;
@@ -56,6 +57,8 @@ enum DesignerRequest {
     Save(u64),
     /// Replace the picture.
     Picture,
+    /// Replace the places of the variables in it.
+    Labels,
 }
 
 /// Subject of a question.
@@ -89,6 +92,8 @@ pub struct DesignerPage {
     /// Selected row of the list on the right.
     selected_row: usize,
     tab: DesignerTab,
+    /// What is dragged over the preview.
+    preview_drag: Option<arrange::PreviewDrag>,
     editing: bool,
     keyboard_open: bool,
     /// The file must be requested.
@@ -158,7 +163,7 @@ impl PageUi for DesignerPage {
         let (text, right) = body.split_left_right_at_fraction(if body.width() > 900.0 { 0.40 } else { 0.34 });
         self.title(title, view);
         self.listing(text.trim_right(theme::GAP), view, typed.scroll_pages);
-        self.right(right, view, picture);
+        self.right(right, view, picture, out);
         self.message_line(told, view);
         if let Some(action) = actions::ui(view, keys, self) {
             self.perform(action, view, out);
@@ -251,12 +256,16 @@ impl DesignerPage {
         let now = (self.document.number, self.document.base, self.document.version);
         if self.read_version != Some(now) {
             self.read_version = Some(now);
-            self.reading = page_text::parse_all(&self.document.rope.to_string());
+            self.reparse();
             let own = view.snapshot.screens.find(self.document.number).and_then(|files| files.text.as_ref().ok());
             if let Some(own) = own.filter(|_| self.document_lang == Lang::En && self.reading.faults.is_empty()) {
                 self.reading.faults = page_text::english_faults(own, &self.reading);
             }
         }
+    }
+
+    fn reparse(&mut self) {
+        self.reading = page_text::parse_all(&self.document.rope.to_string());
     }
 
     /// Shows the English text instead of the page text, or back.
@@ -368,7 +377,7 @@ impl DesignerPage {
     }
 
     /// The tabs and the content of the selected one.
-    fn right(&mut self, rect: Rect, view: &View<'_>, picture: Option<TextureId>) {
+    fn right(&mut self, rect: Rect, view: &View<'_>, picture: Option<TextureId>, out: &mut Vec<Command>) {
         let (bar, rest) = rect.split_top(widget::KEYS_HEIGHT - 2.0);
         let count = |words: &str, count: usize| {
             if count > 0 { format!("{words} {count}") } else { words.trim_end_matches(['缺', ' ']).to_owned() }
@@ -391,7 +400,7 @@ impl DesignerPage {
         match self.tab {
             // The letter pad leaves no room for the preview, so the errors are shown.
             DesignerTab::Preview if self.keyboard_open => self.faults(rest, view),
-            DesignerTab::Preview => self.preview(rest, view, picture),
+            DesignerTab::Preview => self.preview(rest, view, picture, out),
             DesignerTab::Variables => self.variable_list(rest, view),
             DesignerTab::Pictures => self.picture_list(rest, view),
             DesignerTab::Faults => self.faults(rest, view),

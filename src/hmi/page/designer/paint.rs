@@ -1,7 +1,7 @@
 //! Drawing of the page designer: the text with its errors, the preview, the lists beside it.
 //! Source: spec H4, K7.2–K7.4.
 
-use egui::{Id, Rect, Sense, TextureId, pos2, vec2};
+use egui::{Id, Rect, Sense, pos2, vec2};
 
 use super::actions::VariableRow;
 use super::{DesignerPage, DesignerQuestion};
@@ -10,7 +10,7 @@ use crate::defs::page_text::PageTextFault;
 use crate::defs::text::{Text, phrase};
 use crate::hmi::page::program::actions::EDIT_FIRST;
 use crate::hmi::page::program::listing::{self, LineMarks};
-use crate::hmi::page::{ScrollList, VisibleRows, empty, grinding};
+use crate::hmi::page::{ScrollList, VisibleRows, empty};
 use crate::hmi::{Area, PageKey, Question, View, page_frame as lines, pictogram, round_to_lines, theme, widget};
 use crate::link::Command;
 use crate::link::page_file::{PictureFile, PictureLocation};
@@ -122,11 +122,6 @@ impl DesignerPage {
             return;
         };
         view.fit_left(rect.trim_sides(4.0), &words, theme::LABEL, ink);
-    }
-
-    /// Preview of the grinding page.
-    pub(super) fn preview(&self, rect: Rect, view: &View<'_>, texture: Option<TextureId>) {
-        grinding::preview(rect, view, &self.reading.page, self.document.number, texture);
     }
 
     /// Variables of program and page.

@@ -36,14 +36,14 @@ pub fn caption(line: Rect, view: &View<'_>, row: &PageTextRow) {
 }
 
 /// The variable whose number is nearest to a touch, within reach.
-fn nearest(labels: impl Iterator<Item = (u16, Rect)>, at: Pos2) -> Option<u16> {
+pub fn nearest(labels: impl Iterator<Item = (u16, Rect)>, at: Pos2) -> Option<u16> {
     let distances = labels.map(|(variable, area)| (variable, area.distance_to_pos(at)));
     let reached = distances.filter(|(_, distance)| *distance <= REACH);
     reached.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(variable, _)| variable)
 }
 
 /// The place of a label on the screen.
-fn place(image: Rect, label: &PictureLabel) -> Rect {
+pub fn place(image: Rect, label: &PictureLabel) -> Rect {
     let (left, top, right, bottom) = label.area;
     let scale = image.width() / theme::PICTURE.x;
     let point = |x: u16, y: u16| image.min + vec2(f32::from(x), f32::from(y)) * scale;
