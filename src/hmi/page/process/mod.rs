@@ -237,7 +237,10 @@ impl ProcessPage {
         let last = self.visible_samples(now).last().or(self.samples.back()).map_or(0.0, value);
         view.line_left(row(0.0), &curve.name, theme::SMALL, colour);
         view.line_left(row(1.0), &view.length(last), theme::TITLE, view.theme.text);
-        view.fit_left(row(2.0), &format!("{low:.3} … {high:.3}"), theme::SMALL, view.theme.muted);
+        // The column has room for six digits of each.
+        let decimals = if low.abs().max(high.abs()) < 1_000.0 { 3 } else { 1 };
+        let range = format!("{low:.decimals$} … {high:.decimals$}");
+        view.fit_left(row(2.0), &range, theme::SMALL, view.theme.muted);
         let room = (high - low).max(1e-3);
         let place = |sample: &Sample| {
             let age = (now.0.saturating_sub(sample.at.0)) as f64 / 1e6;
