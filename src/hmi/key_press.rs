@@ -3,6 +3,7 @@
 
 use egui::{Modifiers, Rect, Response, Ui};
 
+use super::pointer_finger::second_touches;
 use crate::defs::key::{Key, KeyGroup};
 use crate::link::Command;
 
@@ -58,6 +59,8 @@ struct HeldKey {
     state: PressState,
     since: f64,
     last: f64,
+    /// A finger presses it, no mouse and no key.
+    by_finger: bool,
     /// Drawn in this frame: a key that disappears from the screen is released.
     drawn: bool,
 }
@@ -79,18 +82,32 @@ impl KeyPresses {
             let inside = place.is_some_and(|place| rect.contains(place));
             (input.time, inside, input.pointer.any_released(), focus_lost(input))
         });
+        let (touched, fingers) = ui.input(|input| (input.any_touches(), input.multi_touch().is_some()));
         let held = response.is_pointer_button_down_on();
-        let on_it = held && inside && !lost;
+        let lifted_unseen = self.finger.is_some_and(|down| down.key == key && down.by_finger && !touched);
+        let on_it = held && inside && !lost && !lifted_unseen;
+        // A stop key must not wait until another finger has been lifted.
+        if trigger_of(key) == KeyTrigger::OnPress
+            && ui.input(|input| second_touches(input).any(|place| rect.contains(place)))
+        {
+            out.extend([Command::Press(key), Command::Release(key)]);
+        }
         match self.finger.filter(|down| down.key == key) {
             None if on_it && self.finger.is_none() => {
                 let at_once = trigger_of(key) != KeyTrigger::OnRelease;
                 let stage = if at_once { PressState::Sent } else { PressState::Armed };
                 out.extend(at_once.then_some(Command::Press(key)));
-                self.finger = Some(HeldKey { key, state: stage, since: now, last: now, drawn: true });
+                let (since, last, by_finger) = (now, now, touched);
+                self.finger = Some(HeldKey { key, state: stage, since, last, by_finger, drawn: true });
             }
             None if response.clicked() && !lost => out.extend([Command::Press(key), Command::Release(key)]),
             None => {}
-            Some(down) if on_it => self.finger = Some(repeat_hold(down, now, out)),
+            Some(down) if on_it => {
+                // Two fingers press no key.
+                let pinched = fingers && down.state == PressState::Armed;
+                let state = if pinched { PressState::Cancelled } else { down.state };
+                self.finger = Some(repeat_hold(HeldKey { state, ..down }, now, out));
+            }
             Some(down) => {
                 let counts = response.clicked() || (lifted && inside);
                 match down.state {
@@ -131,7 +148,7 @@ impl KeyPresses {
             return;
         }
         out.push(Command::Press(key));
-        let held = HeldKey { key, state: PressState::Sent, since: now, last: now, drawn: true };
+        let held = HeldKey { key, state: PressState::Sent, since: now, last: now, by_finger: false, drawn: true };
         self.physical.push((by, modifiers, held));
     }
 
@@ -181,7 +198,7 @@ fn repeat_hold(down: HeldKey, now: f64, out: &mut Vec<Command>) -> HeldKey {
 }
 
 /// Where the finger was lifted in this frame; after a touch egui has no pointer position.
-pub(super) fn release_position(input: &egui::InputState) -> Option<egui::Pos2> {
+pub fn release_position(input: &egui::InputState) -> Option<egui::Pos2> {
     input.events.iter().rev().find_map(|event| match event {
         egui::Event::PointerButton { pos, pressed: false, .. } => Some(*pos),
         _ => None,

@@ -27,6 +27,7 @@ mod page_message;
 pub mod panel;
 pub mod path_plot;
 pub mod pictogram;
+mod pointer_finger;
 mod question;
 pub mod rasterizer;
 pub mod repaint;

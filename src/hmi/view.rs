@@ -12,6 +12,7 @@ use egui::{
 };
 
 use super::Area;
+use super::key_press::release_position;
 use super::theme::{self, Theme};
 use crate::defs::date::DateTime;
 use crate::defs::favourite::Favourite;
@@ -176,6 +177,12 @@ impl View<'_> {
         let response = self.ui.interact(rect.intersect(self.painter.clip_rect()), Id::unique(id), Sense::CLICK);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, name.to_string()));
         response
+    }
+
+    /// Where the finger is, or where it was lifted in this frame.
+    #[must_use]
+    pub fn finger(&self) -> Option<Pos2> {
+        self.ui.input(|input| release_position(input).or(input.pointer.interact_pos()))
     }
 
     /// The factor of a zoom in this frame: two fingers, or the mouse wheel.

@@ -12,6 +12,7 @@ use egui::{ViewportBuilder, ViewportCommand, vec2};
 
 use super::app::Hmi;
 use super::core_fault::{CoreHealth, paint_core_fault};
+use super::pointer_finger::PointerFinger;
 use super::repaint::LiveScreen;
 use super::theme;
 use crate::link::{Command, Snapshot};
@@ -78,7 +79,8 @@ pub fn run(core: Box<dyn CoreConnection>, mut hmi: Hmi, fullscreen: bool) -> Res
             core.lock().unwrap_or_else(PoisonError::into_inner).window_opened();
             let screen = Arc::new(Mutex::new(LiveScreen::new(hmi)));
             watch_snapshots(Arc::clone(&core), Arc::clone(&screen), context.egui_ctx.clone(), Arc::clone(&end));
-            Ok(Box::new(Window { screen, core, fullscreen, alive_sent: None, sized: false }))
+            let finger = PointerFinger::default();
+            Ok(Box::new(Window { screen, core, fullscreen, alive_sent: None, sized: false, finger }))
         }),
     );
     over.store(true, Ordering::Relaxed);
@@ -125,6 +127,7 @@ struct Window {
     fullscreen: bool,
     alive_sent: Option<Instant>,
     sized: bool,
+    finger: PointerFinger,
 }
 
 impl Window {
@@ -162,6 +165,7 @@ impl eframe::App for Window {
     fn raw_input_hook(&mut self, _ctx: &egui::Context, input: &mut egui::RawInput) {
         // The glyph texture has the maximum width; limiting it makes the texture grow in smaller steps.
         input.max_texture_side = input.max_texture_side.map(|side| side.min(TEXTURE_SIDE));
+        self.finger.translate(&mut input.events);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {

@@ -1,6 +1,6 @@
 //! The finger on the screen: a swipe turns the page, a long touch explains a key, an opened page fades in. Source: spec H9.
 
-use egui::{Event, Modifiers, PointerButton, Pos2, pos2, vec2};
+use egui::{Event, Modifiers, PointerButton, Pos2, TouchDeviceId, TouchId, TouchPhase, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::key::{Key, KeyGroup};
 use kt830::defs::kind::Kind;
@@ -201,4 +201,59 @@ fn h9_an_opened_page_is_there_at_once_and_fades_in_only_on_a_display() {
         screen.step();
         assert!(!is_veiled(&screen));
     }
+}
+
+/// Two fingers, as the window translates them: the first one is the pointer, the second one is not.
+fn two_fingers(first: Pos2, second: Pos2) -> Vec<String> {
+    let mut screen = open(snapshot(Page::Alarm));
+    let touch = |id: u64, phase: TouchPhase, pos: Pos2| Event::Touch {
+        device_id: TouchDeviceId(1),
+        id: TouchId(id),
+        phase,
+        pos,
+        force: None,
+    };
+    let button = |pressed: bool| {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        Event::PointerButton { pos: first, button, pressed, modifiers }
+    };
+    let frames = [
+        vec![touch(1, TouchPhase::Start, first), Event::PointerMoved(first), button(true)],
+        vec![touch(2, TouchPhase::Start, second)],
+        vec![touch(2, TouchPhase::Move, second + vec2(3.0, 0.0))],
+        vec![touch(2, TouchPhase::End, second)],
+        vec![touch(1, TouchPhase::End, first), button(false), Event::PointerGone],
+    ];
+    for events in frames {
+        screen.input_mut().events.extend(events);
+        screen.step();
+    }
+    sent(&mut screen)
+}
+
+/// A finger that rests somewhere, on the page or on another key, keeps nobody from stopping the machine.
+#[test]
+fn h9_a_second_finger_presses_the_keys_that_stop() {
+    let screen = open(snapshot(Page::Alarm));
+    let place = |key: Key| {
+        let label = format!("{} {}", key.label().zh, key.id());
+        screen.get_by_label(&label).rect().center()
+    };
+    for rests in [MIDDLE, place(Key::XPlus), place(Key::Coolant)] {
+        for key in [Key::EmergencyStop, Key::FeedHold, Key::Reset] {
+            let said = two_fingers(rests, place(key));
+            let pressed = said.iter().filter(|what| {
+                **what == format!("Press({key:?})") || (key == Key::EmergencyStop && what.starts_with("EmergencyStop"))
+            });
+            assert_eq!(pressed.count(), 1, "{key:?}: {said:?}");
+        }
+        let said = two_fingers(rests, place(Key::WheelStart));
+        assert!(!said.iter().any(|what| what.contains("WheelStart")), "{said:?}");
+    }
+    // A key under the first finger is not pressed when a second one has come.
+    let said = two_fingers(place(Key::Coolant), MIDDLE);
+    assert!(!said.iter().any(|what| what.contains("Coolant")), "{said:?}");
+    // A stop key under a single finger is pressed once.
+    let said = two_fingers(place(Key::FeedHold), MIDDLE);
+    assert_eq!(said.iter().filter(|what| *what == "Press(FeedHold)").count(), 1, "{said:?}");
 }

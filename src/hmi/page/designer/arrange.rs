@@ -76,7 +76,7 @@ impl DesignerPage {
             }
         }
         let Some(PreviewDrag::Entry(from)) = self.preview_drag else { return };
-        let (at, is_up) = view.ui.input(|input| (input.pointer.latest_pos(), input.pointer.any_released()));
+        let (at, is_up) = (view.finger(), view.ui.input(|input| input.pointer.any_released()));
         let target = at.and_then(|at| places.entries.iter().position(|place| place.contains(at)));
         if let (Some(at), Some(held)) = (at, places.entries.get(from)) {
             view.painter.rect_filled(*held, theme::RADIUS, view.theme.glow);
@@ -115,7 +115,7 @@ impl DesignerPage {
             let from = view.ui.input(|input| input.pointer.press_origin());
             self.preview_drag = from.map(PreviewDrag::Frame);
         }
-        let Some(at) = view.ui.input(|input| input.pointer.latest_pos()) else { return };
+        let Some(at) = view.finger() else { return };
         let frame = match self.preview_drag {
             Some(PreviewDrag::Frame(from)) => Rect::from_two_pos(image.clamp(from), image.clamp(at)),
             _ => Rect::from_min_size(at, Vec2::ZERO),
