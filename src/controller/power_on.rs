@@ -10,6 +10,7 @@ use crate::defs::param::Params;
 use crate::defs::part_record::PartRecord;
 use crate::defs::production_order::ProductionOrder;
 use crate::defs::variable_name;
+use crate::defs::wheel_record::WheelRecord;
 use crate::link::page_command::KeptState;
 use crate::nc::{CommonVariables, WorkOffsets};
 use crate::units::PerAxis;
@@ -41,6 +42,8 @@ pub struct PowerOnState {
     pub hours: Vec<HourRecord>,
     /// Production orders by their numbers.
     pub orders: Vec<ProductionOrder>,
+    /// The wheels of the shop by their numbers.
+    pub wheels: Vec<WheelRecord>,
     /// Date set at the machine minus the system clock, s.
     pub clock_offset_s: i64,
     /// Number of wrong passwords in a row before the power went.
@@ -72,6 +75,7 @@ impl PowerOnState {
             parts: Vec::new(),
             hours: Vec::new(),
             orders: Vec::new(),
+            wheels: Vec::new(),
             clock_offset_s: 0,
             kept_states: Arc::from([]),
             wrong_passwords: 0,

@@ -15,6 +15,7 @@ use crate::defs::production_order::ProductionOrder;
 use crate::defs::signal::{Input, Output};
 use crate::defs::text::arg::Arg;
 use crate::defs::turning_tool;
+use crate::defs::wheel_record::WheelRecord;
 use crate::link::files::{FileRequest, Ticket};
 use crate::link::page_command::SettingsRequest;
 use crate::nc::{CommonVariables, NcSettings, OriginPlace, REFERENCE_POINTS, WorkOffsets};
@@ -58,6 +59,8 @@ pub enum StorageRequest {
     Hour(HourRecord),
     /// Store the order of a number; `None` removes it.
     Order(u32, Option<ProductionOrder>),
+    /// Store the wheel of a number; `None` removes it.
+    Wheel(u16, Option<WheelRecord>),
     /// Store the date set at the machine minus the system clock, s.
     ClockOffset(i64),
     /// Store the number of wrong passwords in a row; 0 after a right one.

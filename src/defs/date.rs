@@ -55,6 +55,13 @@ impl DateTime {
         format!("{hour:02}:{minute:02}:{second:02}")
     }
 
+    /// `2026-11-21`
+    #[must_use]
+    pub fn day(self) -> String {
+        let [year, month, day, ..] = self.parts();
+        format!("{year:04}-{month:02}-{day:02}")
+    }
+
     /// `20261121-150156`, for file names.
     #[must_use]
     pub fn compact(self) -> String {

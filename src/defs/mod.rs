@@ -48,3 +48,4 @@ pub mod text;
 pub mod turning_tool;
 pub mod value_bound;
 pub mod variable_name;
+pub mod wheel_record;

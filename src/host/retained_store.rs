@@ -18,6 +18,7 @@ use crate::defs::param::ParamAddress;
 use crate::defs::production_order::ProductionOrder;
 use crate::defs::system_variable;
 use crate::defs::text::{LocalizedText, Text};
+use crate::defs::wheel_record::WheelRecord;
 use crate::link::command::Command;
 use crate::link::page_command::{DataChoice, KeptState, PageCommand, SettingsRequest, StorageAnswer};
 use crate::nc::OriginPlace;
@@ -35,6 +36,8 @@ const PARTS: &str = "parts";
 const CLOCK_OFFSET: &str = "clock-offset";
 /// Before the number of a production order.
 const ORDER: &str = "order-";
+/// Before the number of a wheel.
+const WHEEL: &str = "wheel-";
 const WRONG_PASSWORDS: &str = "wrong-passwords";
 const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
 /// The number of the tool offset follows.
@@ -435,6 +438,10 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
             let value = order.and_then(|order| serde_json::to_string(&order).ok());
             RetainedChange::Text { key: format!("{ORDER}{number}"), value }
         }
+        StorageRequest::Wheel(number, wheel) => {
+            let value = wheel.and_then(|wheel| serde_json::to_string(&wheel).ok());
+            RetainedChange::Text { key: format!("{WHEEL}{number}"), value }
+        }
         StorageRequest::ClockOffset(seconds) => number(CLOCK_OFFSET, *seconds as f64),
         StorageRequest::WrongPasswords(count) => number(WRONG_PASSWORDS, f64::from(*count)),
         StorageRequest::PartCount(parts) => number(PARTS, f64::from(*parts)),
@@ -488,6 +495,11 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
             retained.orders.retain(|other| other.number != *number);
             let place = retained.orders.partition_point(|other| other.number < *number);
             drop(retained.orders.splice(place..place, *order));
+        }
+        StorageRequest::Wheel(number, wheel) => {
+            retained.wheels.retain(|other| other.number != *number);
+            let place = retained.wheels.partition_point(|other| other.number < *number);
+            drop(retained.wheels.splice(place..place, *wheel));
         }
         StorageRequest::ClockOffset(seconds) => retained.clock_offset_s = *seconds,
         StorageRequest::WrongPasswords(count) => retained.wrong_passwords = *count,
@@ -560,13 +572,19 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<D
     (retained, dropped)
 }
 
-/// Parts, hours and orders.
+/// Parts, hours, orders and wheels.
 fn take_production(retained: &mut PowerOnState, loaded: &RetainedData, dropped: &mut Vec<DroppedValue>) {
     retained.parts = loaded.parts.values().copied().collect();
     retained.hours = loaded.hours.values().copied().collect();
     for (key, stored) in loaded.texts.iter().filter(|(key, _)| key.starts_with(ORDER)) {
         match serde_json::from_str::<ProductionOrder>(stored) {
             Ok(order) => apply_request(retained, &StorageRequest::Order(order.number, Some(order))),
+            Err(fault) => dropped.push((format!("{key}: {fault}"), Some(text(key, None)))),
+        }
+    }
+    for (key, stored) in loaded.texts.iter().filter(|(key, _)| key.starts_with(WHEEL)) {
+        match serde_json::from_str::<WheelRecord>(stored) {
+            Ok(wheel) => apply_request(retained, &StorageRequest::Wheel(wheel.number, Some(wheel))),
             Err(fault) => dropped.push((format!("{key}: {fault}"), Some(text(key, None)))),
         }
     }

@@ -10,6 +10,7 @@ use super::screens::Screens;
 use super::simulation::SimCommand;
 use super::teach::TeachCommand;
 use super::toolpath::StockBox;
+use super::wheels::WheelCommand;
 use crate::defs::date::DateTime;
 use crate::defs::key::Key;
 use crate::defs::leadscrew::LeadscrewCompensation;
@@ -77,6 +78,8 @@ pub enum Command {
         /// Rated peripheral speed, m/s.
         rated_m_s: f64,
     },
+    /// The list of the wheels of the shop.
+    Wheel(WheelCommand),
     /// Prepares a line of MDI text for cycle start; an empty line withdraws it.
     PrepareMdi(String),
     /// Sets a macro variable without a page (`--set`, `set` in a story, a restored backup).

@@ -31,6 +31,7 @@ pub mod teach;
 pub mod terminals;
 pub mod thread_cut;
 pub mod toolpath;
+pub mod wheels;
 
 pub use command::Command;
 pub use page_command::PageCommand;

@@ -15,6 +15,7 @@ use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::defs::value_bound::TYPED_VALUE_LIMIT;
 use crate::defs::variable_name;
+use crate::defs::wheel_record::WheelRecord;
 use crate::units::Micros;
 
 /// An order that the shop sends: the operator accepts it, or not.
@@ -176,6 +177,8 @@ pub struct ProductionView {
     pub downtime_reason: Option<DowntimeReason>,
     /// Orders by their numbers.
     pub orders: Vec<ProductionOrder>,
+    /// The wheels of the shop by their numbers.
+    pub wheels: Vec<WheelRecord>,
 }
 
 impl ProductionView {
@@ -183,7 +186,8 @@ impl ProductionView {
     #[must_use]
     pub fn differs(&self, other: &Self) -> bool {
         (self.parts.version(), self.hours.version()) != (other.parts.version(), other.hours.version())
-            || (self.downtime_reason, &self.orders) != (other.downtime_reason, &other.orders)
+            || (self.downtime_reason, &self.orders, &self.wheels)
+                != (other.downtime_reason, &other.orders, &other.wheels)
     }
 
     /// The order of a number.

@@ -40,6 +40,7 @@ pub fn rows(state: &PowerOnState) -> Rows {
     rows.extend(state.parts.iter().map(|part| (format!("part record {}", part.slot()), format!("{part:?}"))));
     rows.extend(state.hours.iter().map(|hour| (format!("hour {}", hour.slot()), format!("{hour:?}"))));
     rows.extend(state.orders.iter().map(|order| (format!("order {}", order.number), format!("{order:?}"))));
+    rows.extend(state.wheels.iter().map(|wheel| (format!("wheel {}", wheel.number), format!("{wheel:?}"))));
     rows
 }
 

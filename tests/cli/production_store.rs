@@ -6,6 +6,7 @@ use kt830::defs::hour_record::HourRecord;
 use kt830::defs::part_record::PartRecord;
 use kt830::defs::part_verdict::PartVerdict;
 use kt830::defs::production_order::{OrderState, OrderValues, ProductionOrder};
+use kt830::defs::wheel_record::WheelRecord;
 use kt830::store::{RetainedChange, RetainedDatabase};
 
 use crate::data_loss::open;
@@ -23,8 +24,12 @@ fn order(number: u32, good: u32) -> ProductionOrder {
     }
 }
 
+fn wheel(number: u16, diameter_mm: f64) -> WheelRecord {
+    WheelRecord { number, diameter_mm, balanced: Some(DateTime(1_795_273_316)), crashes: 2, ..WheelRecord::default() }
+}
+
 #[test]
-fn b6_the_next_start_finds_parts_hours_and_orders() {
+fn b6_the_next_start_finds_parts_hours_orders_and_wheels() {
     let folder = tempfile::tempdir().unwrap();
     let part = PartRecord {
         count: 1_003,
@@ -56,6 +61,8 @@ fn b6_the_next_start_finds_parts_hours_and_orders() {
             StorageRequest::Order(700, Some(order(700, 0))),
             StorageRequest::Order(501, Some(order(501, 3))),
             StorageRequest::Order(600, Some(order(600, 0))),
+            StorageRequest::Wheel(7, Some(wheel(7, 598.4))),
+            StorageRequest::Wheel(3, Some(wheel(3, 500.0))),
         ])
         .unwrap();
     // Later changes of the same ones, in one batch.
@@ -64,6 +71,8 @@ fn b6_the_next_start_finds_parts_hours_and_orders() {
             StorageRequest::Order(600, None),
             StorageRequest::Order(501, Some(order(501, 4))),
             StorageRequest::Order(501, Some(order(501, 5))),
+            StorageRequest::Wheel(3, None),
+            StorageRequest::Wheel(5, Some(wheel(5, 400.0 / 3.0))),
         ])
         .unwrap();
     drop(store);
@@ -71,11 +80,16 @@ fn b6_the_next_start_finds_parts_hours_and_orders() {
     assert!(found.loss.is_none(), "{:?}", found.loss);
     assert_eq!(found.retained.orders, [order(501, 5), order(700, 0)]);
     assert_eq!((found.retained.parts, found.retained.hours), (vec![part], vec![hour]));
+    assert_eq!(found.retained.wheels, [wheel(5, 400.0 / 3.0), wheel(7, 598.4)]);
     drop(store);
-    // An order that cannot be read is told and leaves the others alone.
-    let broken = RetainedChange::Text { key: "order-650".to_owned(), value: Some("{".to_owned()) };
-    RetainedDatabase::open(folder.path()).unwrap().database.commit(&[broken]).unwrap();
+    // An order or a wheel that cannot be read is told and leaves the others alone.
+    let broken =
+        ["order-650", "wheel-8"].map(|key| RetainedChange::Text { key: key.to_owned(), value: Some("{".to_owned()) });
+    RetainedDatabase::open(folder.path()).unwrap().database.commit(&broken).unwrap();
     let (_, found) = open(folder.path());
     assert_eq!(found.retained.orders, [order(501, 5), order(700, 0)]);
-    assert!(found.dropped.iter().any(|dropped| dropped.contains("order-650")), "{:?}", found.dropped);
+    assert_eq!(found.retained.wheels.len(), 2);
+    for key in ["order-650", "wheel-8"] {
+        assert!(found.dropped.iter().any(|dropped| dropped.contains(key)), "{:?}", found.dropped);
+    }
 }

@@ -24,6 +24,7 @@ use kt830::defs::scope_signal::ScopeSignal;
 use kt830::defs::signal::Input;
 use kt830::defs::start_step::StartStep;
 use kt830::defs::text::{Lang, LocalizedText, SharedWords, Text};
+use kt830::defs::wheel_record::WheelRecord;
 use kt830::io::drive::{DriveFault, DriveState};
 use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::fieldbus::station::StationFault;
@@ -301,6 +302,23 @@ fn longest_value(values: OrderValues, variable: u16) -> OrderValues {
     values.with(OrderValue { variable, number: 88_888.888 }).unwrap_or(values)
 }
 
+/// Wheels of the shop: on the machine, worn down, after a crash.
+fn wheels() -> Vec<WheelRecord> {
+    let day = Some(DateTime(1_795_273_316));
+    let wheel = WheelRecord {
+        number: 1,
+        diameter_mm: 600.0,
+        width_mm: 20.0,
+        rated_m_s: 35.0,
+        dressings: 114,
+        mounted: day,
+        balanced: day,
+        ..WheelRecord::default()
+    };
+    let crashed = WheelRecord { number: 99, crashes: 12, crashed: day, balanced: None, smallest_mm: 480.5, ..wheel };
+    vec![wheel, WheelRecord { number: 7, diameter_mm: 480.125, smallest_mm: 480.5, ..wheel }, crashed]
+}
+
 /// Orders of a shop: one is being made, one waits, one is closed.
 fn orders() -> Vec<ProductionOrder> {
     let order = |number, program, target, (good, bad), state| ProductionOrder {
@@ -365,8 +383,13 @@ fn hour_history() -> HourHistory {
 pub fn busy(page: Page) -> Snapshot {
     let mut snapshot = running(page);
     snapshot.interrupted = Some((1_001, 12_345));
-    snapshot.production =
-        ProductionView { parts: part_history(), hours: hour_history(), downtime_reason: None, orders: orders() };
+    snapshot.production = ProductionView {
+        parts: part_history(),
+        hours: hour_history(),
+        downtime_reason: None,
+        orders: orders(),
+        wheels: wheels(),
+    };
     let said = |zh: &str, en: &str| LocalizedText::new(zh, en);
     snapshot.simulated = Some(Arc::new(SimView {
         forced: vec![(Input::HydraulicPressure, true)],

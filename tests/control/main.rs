@@ -51,5 +51,6 @@ mod thread_recorder;
 mod touch_probe;
 mod vertical;
 mod vertical_correction;
+mod wheel_list;
 mod wheel_size;
 mod work_offsets;

@@ -109,7 +109,7 @@ fn pass(screen: &mut Screen, seconds: u64) {
 #[test]
 fn process_sizes_are_shown_between_their_limits() {
     let mut screen = measuring();
-    assert!(shows(&screen, "P375"), "what to do is said while nothing was measured");
+    assert!(shows(&screen, "还没有实测尺寸"), "what to do is said while nothing was measured");
     finish(&mut screen, 40.004);
     assert!(shows(&screen, "40.004 / 40.000 +0.010 -0.005") && !shows(&screen, "不良"));
     // On its limit it is in, a micrometre beyond out.
@@ -140,7 +140,7 @@ fn process_without_limits_nothing_is_out() {
     // A variable without a value is no size.
     let mut screen = measuring();
     end_cycle(&mut screen);
-    assert!(shows(&screen, "P375"));
+    assert!(shows(&screen, "还没有实测尺寸"));
 }
 
 #[test]

@@ -551,6 +551,40 @@ fn k5_17_values_left_out_stay_and_nothing_changes_before_the_confirmation() {
     assert!(is(bench.param("P77"), 600.0) && is(bench.param("P78"), 32.0) && is(bench.param("P6.7"), 1.0));
 }
 
+/// The list of wheels by finger and keyboard: kept under a number, taken off, mounted again.
+#[test]
+fn k5_17_the_wheels_of_the_shop_are_kept_and_mounted_from_the_list() {
+    let mut bench = bench(Page::Wheel, "param P77 600\nparam P79 45");
+    bench.touch("砂轮库 0 wheel-list");
+    assert!(bench.shows("还没有砂轮"));
+    bench.touch("装上 wheel-mount");
+    assert!(bench.shows("先选一片砂轮"));
+    // The next free number is offered; another one is typed.
+    assert!(bench.shows("1"));
+    bench.write("12");
+    bench.touch("存入 wheel-keep");
+    assert!(bench.shows("在机床上") && bench.shows("12  Ø600 × 20 mm · 45 m/s"), "{:?}", bench.painted());
+    bench.touch("返回 wheel-back");
+    change_wheel(&mut bench, ["500", "25", "35"]);
+    assert!(is(bench.param("P77"), 500.0) && is(bench.param("P487"), 0.0));
+    bench.touch("砂轮库 1 wheel-list");
+    bench.touch("wheel 12");
+    // Nothing is mounted before the question is answered.
+    bench.touch("装上 wheel-mount");
+    bench.touch("取消 question-no");
+    assert!(is(bench.param("P77"), 500.0));
+    bench.touch("装上 wheel-mount");
+    bench.touch("已装上 question-mount");
+    assert!(is(bench.param("P77"), 600.0) && is(bench.param("P487"), 12.0));
+    bench.touch("碰撞 wheel-crashed");
+    bench.touch("记入 question-crash");
+    assert!(bench.shows("碰撞后未平衡") && bench.shows("碰撞 1"));
+    bench.touch("已平衡 wheel-balanced");
+    assert!(!bench.shows("碰撞后未平衡"));
+    bench.touch("返回 wheel-back");
+    assert!(bench.screen.query_by_label("已换砂轮 wheel-changed").is_some());
+}
+
 #[test]
 fn k5_17_no_change_while_the_wheel_turns_or_a_program_is_open() {
     let mut turning = bench(Page::Wheel, "mode manual\nkey wheel-start\nwait 1 s\nexpect output wheel on");

@@ -16,6 +16,7 @@ use crate::link::files::{Requester, Ticket};
 use crate::link::part_result::PartCommand;
 use crate::link::snapshot::Tone;
 use crate::link::teach::TeachCommand;
+use crate::link::wheels::WheelCommand;
 use crate::machine::panel_key::NOT_IN_RUN;
 use crate::nc::OriginPlace;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
@@ -53,7 +54,7 @@ impl Panel {
                 self.handle_edit(parts, command)
             }
             Command::ProposeOrder(proposal) => self.propose_order(parts, *proposal),
-            Command::ChangeWheel { .. } | Command::PrepareMdi(_) | Command::Order(_) => {
+            Command::ChangeWheel { .. } | Command::Wheel(_) | Command::PrepareMdi(_) | Command::Order(_) => {
                 self.handle_edit(parts, command)
             }
             Command::PartInspected(found) => self.production.inspect(parts.plant, *found),
@@ -212,6 +213,7 @@ const fn invalidates_restart(command: &Command) -> bool {
             | Command::AddWear { .. }
             | Command::Part(PartCommand::Correct { .. })
             | Command::ChangeWheel { .. }
+            | Command::Wheel(WheelCommand::Mount(_))
             | Command::SetVariable(..)
             | Command::SetParam(..)
             | Command::SetWorkOffset(..)

@@ -2,7 +2,6 @@
 //! Source: spec K7.5, K7.7.
 
 use super::edit_protection::{check_not_running, check_unlocked};
-use super::wheel_change::change_wheel;
 use super::{Edited, Panel, Parts, PartsView, offsets};
 use crate::defs::page::Page;
 use crate::defs::text::arg::Arg;
@@ -27,9 +26,9 @@ impl Panel {
             &Command::Part(command) => self.handle_part_command(parts, command),
             &Command::Order(command) => self.handle_order_command(parts, command),
             &Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
-                change_wheel(parts, &self.screens, [diameter_mm, width_mm, rated_m_s])
-                    .inspect(|_| self.forget_offset_of_part())
+                self.change_wheel(parts, [diameter_mm, width_mm, rated_m_s])
             }
+            &Command::Wheel(command) => self.handle_wheel_command(parts, command),
             Command::PrepareMdi(line) => parts.program.prepare_mdi(parts.plant, line),
             Command::Page(command) => self.edit_param_on_page(parts, command),
             _ => return,

@@ -20,6 +20,7 @@ mod snapshot;
 mod start_guide;
 mod switches;
 mod wheel_change;
+mod wheel_list;
 
 pub use commands::voids_starts;
 pub use snapshot::run_state;
@@ -91,6 +92,7 @@ pub struct Panel {
     pub part_result: Option<PartResult>,
     /// Finished parts and production orders.
     production: production::Production,
+    wheels: wheel_list::WheelList,
     /// Parts that the open run had counted as of the last tick.
     parts_counted: u32,
     /// Program and durations of the last finished cycle.
@@ -106,6 +108,7 @@ impl Panel {
             calendar: calendar::Calendar::new(retained.clock_offset_s),
             access: access::Access::at_power_on(retained.wrong_passwords, now),
             production: production::Production::at_power_on(retained, now),
+            wheels: wheel_list::WheelList::at_power_on(&retained.wheels),
             ..Self::default()
         }
     }

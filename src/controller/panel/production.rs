@@ -2,6 +2,7 @@
 //! Source: spec B6, K4.5, K7.2.
 
 use super::hours::HourLog;
+use super::wheel_list::WheelList;
 use super::{Edited, Panel, Parts};
 use crate::controller::plant::Plant;
 use crate::controller::power_on::PowerOnState;
@@ -76,7 +77,8 @@ impl Production {
     }
 
     /// Writes the view.
-    pub fn write_view(&self, out: &mut ProductionView) {
+    pub fn write_view(&self, wheels: &WheelList, out: &mut ProductionView) {
+        wheels.write_view(&mut out.wheels);
         out.parts.copy_from(&self.parts);
         out.hours.copy_from(self.hours.history());
         out.downtime_reason = self.hours.downtime_reason();

@@ -63,7 +63,7 @@ impl Panel {
         if out.scope != *self.scope.view() {
             out.scope.clone_from(self.scope.view());
         }
-        self.production.write_view(&mut out.production);
+        self.production.write_view(&self.wheels, &mut out.production);
         start_guide::fill(parts, &mut out.start_guide);
         self.page_view(parts, out);
         self.edit_view(parts, out);

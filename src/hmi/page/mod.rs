@@ -223,7 +223,7 @@ page_rows! {
     Macro => variables::VariablesPage, shows Variables;
     Teach => teach::TeachPage, shows Teach;
     Tools => tools::ToolsPage;
-    Wheel => wheel::WheelPage;
+    Wheel => wheel::WheelPage, shows Production;
     Params => params::ParamPage, shows Leadscrews;
     Diagnosis => diagnosis::DiagnosisPage, shows Inputs Diagnosis;
     Graphic => graphic::GraphicPage, shows Simulated Stock Scene;

@@ -2,6 +2,8 @@
 //! dressed before the next cycle start.
 //! Source: spec K5.17, P2; seed 000 (the dressing point is set again after the wheel is mounted).
 
+mod list;
+
 use egui::{Rect, pos2, vec2};
 
 use super::{HandOver, InputPrompt, PageContext, PageUi, input_line};
@@ -12,6 +14,7 @@ use crate::hmi::{
     param_range, theme, widget,
 };
 use crate::link::Command;
+use list::WheelListView;
 
 /// Fields of a new wheel: parameter and name.
 const FIELDS: [(NumberParam, Text); 3] = [
@@ -25,6 +28,8 @@ const CONFIRM: usize = FIELDS.len();
 const FIELD_HEIGHT: f32 = 52.0;
 /// Height of the banner.
 const BANNER_HEIGHT: f32 = 58.0;
+/// Width of the key of the list.
+const LIST_KEY_WIDTH: f32 = 140.0;
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -36,6 +41,8 @@ pub struct WheelPage {
     confirming: bool,
     /// Why the core refused the change.
     refused: Option<LocalizedText>,
+    /// The list of wheels, while it is shown instead of the fields.
+    list: Option<WheelListView>,
 }
 
 impl PageUi for WheelPage {
@@ -56,22 +63,39 @@ impl PageUi for WheelPage {
             }
             CoreAnswer::Nothing => {}
         }
-        typed.edits.iter().for_each(|edit| self.edit(*edit, view, out));
+        if self.list.is_none() {
+            typed.edits.iter().for_each(|edit| self.edit(*edit, view, out));
+        }
         let (page, input) = input_line::split(rect);
         let (top, rest) = page.shrink(theme::PAD).split_top(BANNER_HEIGHT);
-        banner(top, view);
+        let (top, key) = top.split_right(LIST_KEY_WIDTH);
+        banner(top.trim_right(theme::GAP), view);
+        let words = format!("{} {}", view.text("砂轮库", "WHEELS"), view.snapshot.production.wheels.len());
+        if widget::button(view, key, PageKey::new("wheel-list", &words).on(self.list.is_some())) {
+            self.typing.clear();
+            (self.list, self.confirming) = (self.list.is_none().then(WheelListView::default), false);
+        }
         let (left, right) = rest.trim_top(theme::PAD).split_left_right_at_fraction(0.44);
         mounted_wheel(left.trim_right(theme::PAD / 2.0), view);
-        self.new_wheel(right.trim_left(theme::PAD / 2.0), view, out);
-        self.input(input, view);
+        let right = right.trim_left(theme::PAD / 2.0);
+        let Some(list) = &mut self.list else {
+            self.new_wheel(right, view, out);
+            return self.input(input, view);
+        };
+        list.input(input, view);
+        let stays = list.ui(right, view, &typed.edits, out);
+        list.question(page, view, &typed.edits, out);
+        if !stays {
+            self.list = None;
+        }
     }
 
     fn typing(&self) -> Option<&FieldEditor> {
-        Some(&self.typing)
+        Some(self.list.as_ref().map_or(&self.typing, |list| &list.typing))
     }
 
     fn wants_pad(&self, _view: &View<'_>) -> bool {
-        self.typing.pad_open && !self.confirming
+        self.list.as_ref().map_or(self.typing.pad_open && !self.confirming, |list| list.typing.pad_open)
     }
 }
 

@@ -124,9 +124,14 @@ impl PageUi for ProcessPage {
 }
 
 impl ProcessPage {
-    /// The finished parts of the current program since they were cleared, oldest first.
+    /// The finished parts of the current program since they were cleared, oldest first; while a dressing program is loaded
+    /// those of the program that made the last part.
     fn parts<'a>(&self, snapshot: &'a Snapshot) -> impl Iterator<Item = &'a PartRecord> + use<'a> {
-        let (program, cleared) = (snapshot.program.number, self.cleared);
+        let (loaded, cleared) = (snapshot.program.number, self.cleared);
+        let is_part = |part: &&PartRecord| !snapshot.dressing_programs().contains(&part.program);
+        let last = snapshot.production.parts.iter().rev().find(is_part).map(|part| part.program);
+        let dresses = snapshot.dressing_programs().contains(&loaded);
+        let program = last.filter(|_| dresses).unwrap_or(loaded);
         snapshot.production.parts.iter().filter(move |part| part.program == program && part.count > cleared)
     }
 

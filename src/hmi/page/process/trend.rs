@@ -25,8 +25,8 @@ pub(super) fn sizes(rect: Rect, view: &View<'_>, parts: &[&PartRecord]) {
     let Some(last) = sized.last() else {
         view.fit_left(head, view.text("尺寸 mm", "sizes mm"), theme::SMALL, view.theme.muted);
         let words = view.text(
-            "还没有实测尺寸：P375 为存实测尺寸的变量，公称尺寸和偏差取自页面或 P376–P378",
-            "no size yet: P375 is the variable of the size; nominal size and deviations are those of the page or P376 to P378",
+            "还没有实测尺寸：量仪测出，或在磨削页输入实测尺寸后显示",
+            "no size yet: a gauge measures it, or it is typed on the grinding page",
         );
         view.paragraph(plot, words, theme::SMALL, view.theme.muted);
         return;
@@ -141,6 +141,12 @@ fn paint_sizes(view: &View<'_>, plot: Rect, sized: &[&PartRecord], chart: &[Ewma
     let x = |index: usize| plot.min.x + (index as f32 + 0.5) * step;
     let first = sized.len() - chart.len();
     paint_chart(view, plot, chart, |at, value| pos2(x(first + at), y(value)));
+    // A dashed line where the wheel was dressed.
+    for index in (1..sized.len()).filter(|index| sized[*index].since_dressing <= sized[index - 1].since_dressing) {
+        let at = x(index) - step / 2.0;
+        let line = [pos2(at, plot.min.y), pos2(at, plot.max.y)];
+        view.painter.extend(Shape::dashed_line(&line, Stroke::new(theme::HAIRLINE, view.theme.muted), DASH.0, DASH.1));
+    }
     for (index, part) in sized.iter().enumerate() {
         let across = x(index) - step / 2.0..=x(index) + step / 2.0;
         if let Some([nominal, low, high]) = part.limits {
