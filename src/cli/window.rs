@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use super::args::SharedArgs;
 use super::process_end::{guard_exit, guard_process};
@@ -11,9 +12,11 @@ use crate::defs::alarm;
 use crate::defs::param::Params;
 use crate::defs::text::{LocalizedText, phrase};
 use crate::hmi::core_fault::CoreHealth;
+use crate::hmi::sound::{Beep, Speaker};
 use crate::hmi::window::{CoreConnection, WindowError, run};
 #[cfg(target_os = "linux")]
 use crate::host::absent_machine::AbsentMachine;
+use crate::host::buzzer::{Buzzer, Note};
 #[cfg(target_os = "linux")]
 use crate::host::field_machine::HostedFieldBus;
 use crate::host::hosted_machine::HostedMachine;
@@ -124,7 +127,8 @@ pub fn show(link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8,
     let mut hmi = setup::screen(shared);
     // A picture is not dimmed.
     hmi.set_brightness(shared.brightness);
-    match run(Box::new(link), hmi, fullscreen) {
+    let speaker = Buzzer::open().map(|buzzer| Box::new(buzzer) as Box<dyn Speaker>);
+    match run(Box::new(link), hmi, fullscreen, speaker) {
         Ok(()) => Ok(SUCCESS),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(
             "{error}. Without a display use `kt830 demo` (a story to its end), `kt830 run PROGRAM` or `kt830 shot PAGE --out FILE.png`"
@@ -138,6 +142,27 @@ pub fn show(link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8,
 pub fn has_display() -> bool {
     let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     cfg!(any(not(unix), target_os = "macos")) || named("DISPLAY")
+}
+
+impl Speaker for Buzzer {
+    fn play(&mut self, beep: Beep) {
+        const fn note(hertz: u32, millis: u64) -> Note {
+            (hertz, Duration::from_millis(millis))
+        }
+        const KEY: &[Note] = &[note(1_500, 15)];
+        const REFUSED: &[Note] = &[note(400, 150)];
+        const FINISHED: &[Note] = &[note(880, 120), note(1_320, 200)];
+        const ALARM: &[Note] = &[note(2_000, 150), note(0, 100), note(2_000, 150), note(0, 100), note(2_000, 150)];
+        Self::play(
+            self,
+            match beep {
+                Beep::Key => KEY,
+                Beep::Refused => REFUSED,
+                Beep::PartFinished => FINISHED,
+                Beep::Alarm => ALARM,
+            },
+        );
+    }
 }
 
 impl CoreConnection for HostLink {

@@ -34,6 +34,7 @@ pub mod repaint;
 mod requests;
 pub mod scene;
 mod search_field;
+pub mod sound;
 mod swipe;
 pub mod theme;
 pub mod variable_entry;

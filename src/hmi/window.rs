@@ -14,6 +14,7 @@ use super::app::Hmi;
 use super::core_fault::{CoreHealth, paint_core_fault};
 use super::pointer_finger::PointerFinger;
 use super::repaint::LiveScreen;
+use super::sound::{self, Beep, SoundWatcher, Speaker};
 use super::theme;
 use crate::link::{Command, Snapshot};
 
@@ -53,12 +54,25 @@ pub enum WindowError {
 
 type SharedConnection = Arc<Mutex<Box<dyn CoreConnection>>>;
 type SharedScreen = Arc<Mutex<LiveScreen>>;
+type SharedSpeaker = Arc<Mutex<Option<Box<dyn Speaker>>>>;
+
+/// What the watcher of the snapshots works with.
+struct Watched {
+    core: SharedConnection,
+    screen: SharedScreen,
+    speaker: SharedSpeaker,
+}
 
 /// Opens the window, full screen or 1024 × 768 points large, and returns when it is closed.
 ///
 /// # Errors
 /// [`WindowError::NoDisplay`] if there is no display, [`WindowError::Graphics`] if drawing fails.
-pub fn run(core: Box<dyn CoreConnection>, mut hmi: Hmi, fullscreen: bool) -> Result<(), WindowError> {
+pub fn run(
+    core: Box<dyn CoreConnection>,
+    mut hmi: Hmi,
+    fullscreen: bool,
+    speaker: Option<Box<dyn Speaker>>,
+) -> Result<(), WindowError> {
     let display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(all(unix, not(target_os = "macos"))) && !display("DISPLAY") {
         return Err(WindowError::NoDisplay("DISPLAY is not set".to_owned()));
@@ -68,6 +82,7 @@ pub fn run(core: Box<dyn CoreConnection>, mut hmi: Hmi, fullscreen: bool) -> Res
     // Flat colours show no banding, and dithering costs time per pixel in software OpenGL.
     let native = eframe::NativeOptions { viewport, dithering: false, ..eframe::NativeOptions::default() };
     let core: SharedConnection = Arc::new(Mutex::new(core));
+    let speaker: SharedSpeaker = Arc::new(Mutex::new(speaker));
     let over = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&over);
     let made = eframe::run_native(
@@ -78,9 +93,11 @@ pub fn run(core: Box<dyn CoreConnection>, mut hmi: Hmi, fullscreen: bool) -> Res
             hmi.install(&context.egui_ctx);
             core.lock().unwrap_or_else(PoisonError::into_inner).window_opened();
             let screen = Arc::new(Mutex::new(LiveScreen::new(hmi)));
-            watch_snapshots(Arc::clone(&core), Arc::clone(&screen), context.egui_ctx.clone(), Arc::clone(&end));
+            let watched =
+                Watched { core: Arc::clone(&core), screen: Arc::clone(&screen), speaker: Arc::clone(&speaker) };
+            watch_snapshots(watched, context.egui_ctx.clone(), Arc::clone(&end));
             let finger = PointerFinger::default();
-            Ok(Box::new(Window { screen, core, fullscreen, alive_sent: None, sized: false, finger }))
+            Ok(Box::new(Window { screen, core, fullscreen, alive_sent: None, sized: false, finger, speaker }))
         }),
     );
     over.store(true, Ordering::Relaxed);
@@ -91,8 +108,10 @@ pub fn run(core: Box<dyn CoreConnection>, mut hmi: Hmi, fullscreen: bool) -> Res
 }
 
 /// Requests a frame when something shown has changed, and after [`max_frame_interval`] at the latest.
-fn watch_snapshots(core: SharedConnection, screen: SharedScreen, ctx: egui::Context, over: Arc<AtomicBool>) {
+fn watch_snapshots(watched: Watched, ctx: egui::Context, over: Arc<AtomicBool>) {
     thread::spawn(move || {
+        let Watched { core, screen, speaker } = watched;
+        let mut sounds = SoundWatcher::default();
         let mut fault = None;
         let mut asked = Instant::now();
         while !over.load(Ordering::Relaxed) {
@@ -100,6 +119,7 @@ fn watch_snapshots(core: SharedConnection, screen: SharedScreen, ctx: egui::Cont
             let (changed, interval) = {
                 let mut core = core.lock().unwrap_or_else(PoisonError::into_inner);
                 let snapshot = core.newest();
+                beep(&speaker, sounds.follow(snapshot));
                 let mut screen = screen.lock().unwrap_or_else(PoisonError::into_inner);
                 let (changed, interval) = (screen.follow(snapshot), max_frame_interval(snapshot));
                 let before = std::mem::replace(&mut fault, core.health().fault());
@@ -112,6 +132,14 @@ fn watch_snapshots(core: SharedConnection, screen: SharedScreen, ctx: egui::Cont
             }
         }
     });
+}
+
+/// Lets something be heard.
+fn beep(speaker: &SharedSpeaker, beep: Option<Beep>) {
+    let mut speaker = speaker.lock().unwrap_or_else(PoisonError::into_inner);
+    if let (Some(speaker), Some(beep)) = (speaker.as_mut(), beep) {
+        speaker.play(beep);
+    }
 }
 
 /// Longest time between two frames.
@@ -128,6 +156,7 @@ struct Window {
     alive_sent: Option<Instant>,
     sized: bool,
     finger: PointerFinger,
+    speaker: SharedSpeaker,
 }
 
 impl Window {
@@ -186,9 +215,9 @@ impl eframe::App for Window {
         match fault {
             Some(fault) => paint_core_fault(ui, screen.hmi.theme(), fault),
             None => {
-                for command in screen.ui(ui, core.newest()) {
-                    core.send(command);
-                }
+                let commands = screen.ui(ui, core.newest());
+                beep(&self.speaker, sound::of_commands(&commands, core.newest()));
+                commands.into_iter().for_each(|command| core.send(command));
             }
         }
         if (screen.hmi.may_close() || core.is_ended()) && !asked_to_close {

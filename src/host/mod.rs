@@ -6,6 +6,8 @@
 #[cfg(all(feature = "hmi", target_os = "linux"))]
 pub mod absent_machine;
 pub mod bar;
+#[cfg(feature = "hmi")]
+pub mod buzzer;
 pub mod clock;
 pub mod control_end;
 pub mod cycle_time;
@@ -119,7 +121,7 @@ pub struct Host<P, S> {
     times: ThreadTimes,
     /// What spectators of a demonstration are told.
     demo: DemoView,
-    snapshot: Snapshot,
+    snapshot: Option<Box<Snapshot>>,
 }
 
 impl<P: HostedMachine, S: Storage> Host<P, S> {
@@ -154,7 +156,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             powered: true,
             times: ThreadTimes::default(),
             demo: DemoView::Silent,
-            snapshot: Snapshot::new(kind),
+            snapshot: None,
         };
         host.take_arrivals();
         host
@@ -505,14 +507,9 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
 
     /// The snapshot that a page would show now.
     pub fn snapshot(&mut self) -> &Snapshot {
-        self.controller.snapshot(&mut self.snapshot);
-        self.snapshot.simulated = self.plant.view(self.now);
-        self.snapshot.bus = self.plant.bus_view(self.now, &self.times);
-        if !self.powered {
-            self.snapshot.clear_for_power_off();
-        }
-        self.snapshot.host.demo.clone_from(&self.demo);
-        &self.snapshot
+        let mut newest = self.snapshot.take().unwrap_or_else(|| Box::new(Snapshot::new(self.kind)));
+        self.snapshot_into(&mut newest);
+        self.snapshot.insert(newest)
     }
 
     /// Inputs and outputs of the last tick.

@@ -52,6 +52,7 @@ mod shift;
 mod simulator;
 mod soak;
 mod soft_keys;
+mod sound;
 mod start_guide;
 mod technology;
 mod text_editor;
