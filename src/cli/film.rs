@@ -95,8 +95,11 @@ pub fn record(film: &Film, folder: &Path, per_second: u32) -> Result<u8, CallErr
         fault: None,
     };
     let mut status = SUCCESS;
-    for story in &film.stories {
-        status = status.max(record_story(film, story, &mut recording)?);
+    for (number, story) in film.stories.iter().enumerate() {
+        let mut host = setup::headless_host(&film.call_for(story))?;
+        host.number_control(number as u32);
+        story_loop::prepare(&mut host, &film.shared, story);
+        status = status.max(record_story(film, story, host, &mut recording));
     }
     if let Some(fault) = recording.fault {
         return Err(CallError::new(fault));
@@ -106,10 +109,8 @@ pub fn record(film: &Film, folder: &Path, per_second: u32) -> Result<u8, CallErr
     Ok(status)
 }
 
-/// Films a story on a machine of its own; the status of the call.
-fn record_story(film: &Film, story: &StoryFile, recording: &mut Recording) -> Result<u8, CallError> {
-    let mut host = setup::headless_host(&film.call_for(story))?;
-    story_loop::prepare(&mut host, &film.shared, story);
+/// Films a story on its prepared machine; the status of the call.
+fn record_story(film: &Film, story: &StoryFile, host: HeadlessHost, recording: &mut Recording) -> u8 {
     let begun = host.now();
     let mut stage = FilmedHost { host, recording, next: begun };
     let mut player = story.player(&mut stage, film.shared.lang, false);
@@ -126,5 +127,5 @@ fn record_story(film: &Film, story: &StoryFile, recording: &mut Recording) -> Re
     drop(player);
     let FilmedHost { host, recording, .. } = stage;
     recording.passed = recording.passed + host.now().since(begun);
-    Ok(status)
+    status
 }

@@ -49,13 +49,16 @@ pub fn repeat(thread: &mut DemoThread, film: &Film) {
     while !thread.is_stopped() {
         let Some(story) = film.stories.get(next) else { return };
         thread.take_touched();
-        if has_played && film.stories.len() > 1 {
-            change_machine(thread, film, story);
+        let is_ready = if has_played && film.stories.len() > 1 {
+            change_machine(thread, film, story)
         } else {
             thread.host().power_on();
             prepare(thread.host(), &film.shared, story);
+            true
+        };
+        if is_ready {
+            play(thread, film, story);
         }
-        play(thread, film, story);
         has_played = true;
         next = (next + 1) % film.stories.len();
         if film.stories.len() == 1 {
@@ -68,8 +71,9 @@ pub fn repeat(thread: &mut DemoThread, film: &Film) {
     }
 }
 
-/// Puts a machine prepared for the next story in the place of this one, which goes on meanwhile. Whoever touches it keeps it.
-fn change_machine(thread: &mut DemoThread, film: &Film, story: &StoryFile) {
+/// Puts a machine prepared for the next story in the place of this one, which goes on meanwhile. Whoever touches it
+/// keeps it. Whether it is there.
+fn change_machine(thread: &mut DemoThread, film: &Film, story: &StoryFile) -> bool {
     let prepared = std::thread::scope(|scope| {
         let preparation = scope.spawn(|| film.prepared_host(story));
         while !preparation.is_finished() && !thread.is_stopped() {
@@ -78,11 +82,17 @@ fn change_machine(thread: &mut DemoThread, film: &Film, story: &StoryFile) {
         preparation.join()
     });
     match prepared {
-        _ if thread.is_touched() => {}
-        Ok(Ok(host)) => thread.exchange(host),
+        _ if thread.is_touched() => return false,
+        Ok(Ok(host)) => {
+            thread.exchange(host);
+            return true;
+        }
         Ok(Err(why)) => warn_line!("kt830: {why}"),
         Err(_) => warn_line!("kt830: the machine of the next story could not be prepared"),
     }
+    // The one that is there stays in sight for a moment.
+    pause(thread);
+    false
 }
 
 /// Plays what spectators see of a story; a touch ends it.

@@ -25,16 +25,20 @@ pub struct WheelRecord {
     pub rated_m_s: f64,
     /// Diameter down to which it is used, mm; 0: not given.
     pub smallest_mm: f64,
-    /// Times it was dressed.
+    /// Times it was dressed in earlier mountings; those of the present one are P97.
     pub dressings: u32,
+    /// It is the one on the machine.
+    pub is_mounted: bool,
     /// When it was last mounted.
     pub mounted: Option<DateTime>,
     /// When it was last balanced.
     pub balanced: Option<DateTime>,
-    /// Times that it has hit something, and when last.
+    /// Times that it has hit something.
     pub crashes: u32,
     /// When it has last hit something.
     pub crashed: Option<DateTime>,
+    /// It has hit something since it was last balanced: it is to be looked at and sounded before it turns.
+    pub is_suspect: bool,
 }
 
 impl WheelRecord {
@@ -42,11 +46,5 @@ impl WheelRecord {
     #[must_use]
     pub fn is_worn(&self) -> bool {
         self.smallest_mm > 0.0 && self.diameter_mm <= self.smallest_mm
-    }
-
-    /// Whether it has hit something since it was last balanced: it is to be looked at and sounded before it turns.
-    #[must_use]
-    pub fn is_suspect(&self) -> bool {
-        self.crashed.is_some_and(|crashed| self.balanced.is_none_or(|balanced| balanced < crashed))
     }
 }

@@ -35,7 +35,6 @@ use crate::link::media::Screenshot;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
 use crate::link::screens::Picture;
 use crate::link::{Command, Snapshot};
-use crate::units::Micros;
 
 /// How long a local refusal stays in the message line, s.
 const HINT_SECONDS: f64 = 5.0;
@@ -51,8 +50,8 @@ pub struct Hmi {
     brightness: u8,
     page: Option<Page>,
     pages: PageSet,
-    /// Kind and time of the newest snapshot.
-    recorded: Option<(Kind, Micros)>,
+    /// Kind and number of the control of the newest snapshot.
+    recorded: Option<(Kind, u32)>,
     panel: OperatorPanel,
     presses: KeyPresses,
     /// The help over a page.
@@ -199,10 +198,11 @@ impl Hmi {
     /// Every page records what it needs of a snapshot; called for each new one, painted or not. On another control all pages
     /// begin anew.
     pub fn record(&mut self, snapshot: &Snapshot) {
-        if self.recorded.is_some_and(|(kind, at)| kind != snapshot.kind || at > snapshot.now) {
+        let now = (snapshot.kind, snapshot.host.control);
+        if self.recorded.is_some_and(|before| before != now) {
             (self.page, self.pages, self.picture) = (None, PageSet::default(), None);
         }
-        self.recorded = Some((snapshot.kind, snapshot.now));
+        self.recorded = Some(now);
         self.pages.record(snapshot);
     }
 

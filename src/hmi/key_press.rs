@@ -10,6 +10,8 @@ use crate::link::Command;
 /// How long a finger rests on a key until the screen explains the key instead of pressing it, s. The slow touch of a gloved
 /// hand is shorter.
 const LONG_PRESS_S: f64 = 1.5;
+/// How long touches of the emergency stop are one slap, s.
+const SLAP_S: f64 = 0.8;
 /// Time between two `Command::StillHeld`, s.
 const HOLD_REPEAT_S: f64 = 0.03;
 
@@ -72,6 +74,8 @@ pub struct KeyPresses {
     physical: Vec<(egui::Key, Modifiers, HeldKey)>,
     /// A key that is to be explained.
     explained: Option<Key>,
+    /// When the emergency stop was touched last, s.
+    stopped_at: Option<f64>,
 }
 
 impl KeyPresses {
@@ -90,13 +94,15 @@ impl KeyPresses {
         if trigger_of(key) == KeyTrigger::OnPress
             && ui.input(|input| second_touches(input).any(|place| rect.contains(place)))
         {
-            out.extend([Command::Press(key), Command::Release(key)]);
+            out.extend([self.press_command(key, now, true), Command::Release(key)]);
         }
         match self.finger.filter(|down| down.key == key) {
             None if on_it && self.finger.is_none() => {
                 let at_once = trigger_of(key) != KeyTrigger::OnRelease;
                 let stage = if at_once { PressState::Sent } else { PressState::Armed };
-                out.extend(at_once.then_some(Command::Press(key)));
+                if at_once {
+                    out.push(self.press_command(key, now, false));
+                }
                 let (since, last, by_finger) = (now, now, touched);
                 self.finger = Some(HeldKey { key, state: stage, since, last, by_finger, drawn: true });
             }
@@ -124,6 +130,16 @@ impl KeyPresses {
             ui.ctx().request_repaint_after(std::time::Duration::from_millis(20));
         }
         on_it && self.finger.is_some_and(|down| down.key == key && down.state != PressState::Cancelled)
+    }
+
+    /// The command of a press. The emergency stop is turned out by a touch of its own alone: a hand that slaps it touches it
+    /// with several fingers, one soon after the other.
+    fn press_command(&mut self, key: Key, now: f64, is_second: bool) -> Command {
+        if key != Key::EmergencyStop {
+            return Command::Press(key);
+        }
+        let slaps = self.stopped_at.replace(now).is_some_and(|before| now - before < SLAP_S);
+        if slaps || is_second { Command::EmergencyStop(true) } else { Command::Press(key) }
     }
 
     /// A finger that rests on a key asks what the key does: from then on it does not press it.

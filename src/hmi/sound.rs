@@ -1,4 +1,4 @@
-//! What the screen tells by a tone: a new alarm, a refusal, a finished part, a key. Off by factory (P488).
+//! What the screen tells by a tone: a new alarm, a refusal, a finished part, a key. Off by factory (P487).
 //! Source: spec H8; issue "the face", part 10.
 
 use crate::defs::param;
@@ -6,7 +6,7 @@ use crate::link::snapshot::Tone as MessageTone;
 use crate::link::{Command, Snapshot};
 use crate::units::Micros;
 
-/// P488: alarms, refusals and finished parts; the same and keys.
+/// P487: alarms, refusals and finished parts; the same and keys.
 const EVENTS: f64 = 1.0;
 const KEYS: f64 = 2.0;
 

@@ -179,10 +179,11 @@ impl View<'_> {
         response
     }
 
-    /// Where the finger is, or where it was lifted in this frame.
+    /// Where the finger is, or where it was lifted in this frame; none of a finger that was lost.
     #[must_use]
     pub fn finger(&self) -> Option<Pos2> {
-        self.ui.input(|input| release_position(input).or(input.pointer.interact_pos()))
+        let place = self.ui.input(|input| release_position(input).or(input.pointer.interact_pos()));
+        place.filter(|place| self.ui.max_rect().contains(*place))
     }
 
     /// The factor of a zoom in this frame: two fingers, or the mouse wheel.

@@ -69,6 +69,11 @@ impl HeadlessHost {
         });
     }
 
+    /// Gives the control a number: pages that have shown another one begin anew.
+    pub const fn number_control(&mut self, number: u32) {
+        self.control = number;
+    }
+
     /// Adds a program that is not in the folder (a file named on the command line).
     pub fn add_program(&mut self, program: StoredProgram) {
         self.add_programs(vec![program]);

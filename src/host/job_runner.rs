@@ -218,9 +218,10 @@ fn report_program_change(done: JobResult, tell: Tell<'_>) -> ChangedFolders {
     ChangedFolders { programs, ..report_answer(done, tell) }
 }
 
-/// Answers a change of a page file; after a success the page files are read again.
+/// Answers a change of a page file; the page files are read again, also where others have changed them.
 fn report_page_change(done: JobResult, tell: Tell<'_>) -> ChangedFolders {
-    ChangedFolders { screens: done.is_ok(), ..report_answer(done, tell) }
+    let screens = done.is_ok() || done == Err(Refusal::Conflict);
+    ChangedFolders { screens, ..report_answer(done, tell) }
 }
 
 /// Date and time for file names: the machine's, otherwise the computer's.

@@ -6,7 +6,6 @@
 #[cfg(all(feature = "hmi", target_os = "linux"))]
 pub mod absent_machine;
 pub mod bar;
-#[cfg(feature = "hmi")]
 pub mod buzzer;
 pub mod clock;
 pub mod control_end;
@@ -121,6 +120,8 @@ pub struct Host<P, S> {
     times: ThreadTimes,
     /// What spectators of a demonstration are told.
     demo: DemoView,
+    /// Number of the control on its thread: another one takes its place in a demonstration.
+    control: u32,
     snapshot: Option<Box<Snapshot>>,
 }
 
@@ -156,6 +157,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             powered: true,
             times: ThreadTimes::default(),
             demo: DemoView::Silent,
+            control: 0,
             snapshot: None,
         };
         host.take_arrivals();
@@ -498,6 +500,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             into.clear_for_power_off();
         }
         into.host.demo.clone_from(&self.demo);
+        into.host.control = self.control;
     }
 
     /// Tells spectators of a demonstration something; the control knows nothing of it.

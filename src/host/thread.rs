@@ -115,14 +115,20 @@ impl<S: Storage> HostThread<HostedSimulation, S> {
     /// Puts another control with its simulated machine in the place of this one, between two ticks. What was sent to the old
     /// one does not reach the new one.
     pub fn exchange(&mut self, host: Host<HostedSimulation, S>) {
-        let rights = self.host.times.rights;
+        let (rights, control) = (self.host.times.rights, self.host.control + 1);
         let mut left = std::mem::replace(&mut self.host, host);
-        self.host.times.rights = rights;
+        (self.host.times.rights, self.host.control) = (rights, control);
         left.leave_safe();
         left.close();
-        self.from_urgent.try_iter().chain(self.from_screen.try_iter()).for_each(drop);
+        let lost = self.from_urgent.try_iter().chain(self.from_screen.try_iter());
+        self.touched |= lost.filter(is_touch).count() > 0;
         self.from_network.try_iter().for_each(drop);
     }
+}
+
+/// Whether the operator has sent a command: a page reads its files by itself.
+const fn is_touch(command: &Command) -> bool {
+    !matches!(command, Command::KeepAlive | Command::Page(PageCommand::File(..)))
 }
 
 /// Runs the control until it is stopped: the script of the window.
@@ -215,8 +221,7 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
 
     fn receive(&mut self) {
         for command in self.from_urgent.try_iter().chain(self.from_screen.try_iter().take(COMMAND_QUEUE)) {
-            // A page reads its files by itself.
-            self.touched |= !matches!(command, Command::KeepAlive | Command::Page(PageCommand::File(..)));
+            self.touched |= is_touch(&command);
             self.host.send(command);
         }
         if let Ok(proposal) = self.from_network.try_recv() {

@@ -12,4 +12,6 @@ pub struct HostView {
     pub network: Option<Arc<NetworkView>>,
     /// What spectators of a demonstration are told. The host puts it in.
     pub demo: DemoView,
+    /// Number of the control: another one takes its place in a demonstration. The host puts it in.
+    pub control: u32,
 }

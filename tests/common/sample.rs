@@ -311,12 +311,14 @@ fn wheels() -> Vec<WheelRecord> {
         width_mm: 20.0,
         rated_m_s: 35.0,
         dressings: 114,
+        is_mounted: true,
         mounted: day,
         balanced: day,
         ..WheelRecord::default()
     };
-    let crashed = WheelRecord { number: 99, crashes: 12, crashed: day, balanced: None, smallest_mm: 480.5, ..wheel };
-    vec![wheel, WheelRecord { number: 7, diameter_mm: 480.125, smallest_mm: 480.5, ..wheel }, crashed]
+    let beside = WheelRecord { number: 7, diameter_mm: 480.125, smallest_mm: 480.5, is_mounted: false, ..wheel };
+    let crashed = WheelRecord { number: 99, crashes: 12, crashed: day, balanced: None, is_suspect: true, ..beside };
+    vec![wheel, beside, crashed]
 }
 
 /// Orders of a shop: one is being made, one waits, one is closed.

@@ -97,6 +97,14 @@ fn t2_the_pages_begin_anew_on_another_machine() {
     bench.turn();
     assert_eq!(typed(&bench).as_deref(), Some(""));
     assert!(bench.shows("KT-830GS"), "{:?}", bench.painted());
+    // Another one of the same kind, whose time goes on.
+    tell(&mut bench.rig, "load O1007");
+    bench.turn();
+    bench.write("34");
+    assert_eq!(typed(&bench).as_deref(), Some("34"));
+    bench.rig.number_control(1);
+    bench.turn();
+    assert_eq!(typed(&bench).as_deref(), Some(""));
 }
 
 #[test]

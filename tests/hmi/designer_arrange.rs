@@ -72,6 +72,11 @@ fn k7_4_entries_change_their_places_under_the_finger() {
     shop.bench.touch("撤销 page-undo");
     let before = page_text::parse(&shop.save()).unwrap();
     assert_eq!(at(&before.left, 0), Some(520));
+    // A place that the text does not reach is chosen without a change; line ends are those of the file.
+    let at = middle(&shop, "entry-20");
+    shop.bench.tap(at);
+    assert!(!shop.bench.shows("未保存"));
+    assert!(!shop.page().replace("\r\n", "").contains('\n'));
     // Dropped beside the page, nothing moves.
     let from = middle(&shop, "entry-1");
     drag(&mut shop, from, pos2(300.0, 20.0));
@@ -109,7 +114,7 @@ fn k7_4_errors_of_the_text_are_corrected_first() {
     shop.bench.press(egui::Key::End);
     shop.bench.press(egui::Key::Backspace);
     drag_entry(&mut shop, 2, 1);
-    assert!(!shop.bench.shows("#500;") && shop.page() == PAGE);
+    assert_eq!(shop.refusal(), "先改正文字中的错误");
     let at = middle(&shop, "entry-2");
     shop.bench.tap(at);
     drag_entry(&mut shop, 2, 1);
@@ -149,6 +154,19 @@ fn k7_3_a_frame_drawn_on_the_picture_is_the_place_of_the_chosen_value() {
     assert_eq!(labels(&mut shop), [PictureLabel { variable: 500, area: (20, 40, 60, 60) }]);
 }
 
+/// A finger that is lost while it draws, by another window or a touch screen that fails, has drawn nothing.
+#[test]
+fn k7_3_a_frame_is_not_saved_by_a_finger_that_is_lost() {
+    let mut shop = shop_with_picture();
+    let picture = shop.bench.screen.get_by_label("design-picture").rect();
+    let entry = middle(&shop, "entry-1");
+    shop.bench.tap(entry);
+    drag(&mut shop, picture.center(), pos2(-10_000.0, -10_000.0));
+    assert!(!shop.path("screens/D0003.RON").exists());
+    drag(&mut shop, picture.center(), picture.center() + vec2(40.0, 40.0));
+    assert!(shop.path("screens/D0003.RON").exists());
+}
+
 #[test]
 fn k7_3_frames_that_others_have_changed_or_spoilt_are_not_overwritten() {
     let mut shop = shop_with_picture();
@@ -162,6 +180,11 @@ fn k7_3_frames_that_others_have_changed_or_spoilt_are_not_overwritten() {
         assert!(!shop.refusal().is_empty(), "{found}");
         assert_eq!(fs::read_to_string(shop.path("screens/D0003.RON")).unwrap(), found);
     }
+    // What others have drawn is read at the conflict: the next frame stands beside it.
+    fs::write(shop.path("screens/D0003.RON"), others).unwrap();
+    drag(&mut shop, picture.center(), picture.center() + vec2(40.0, 40.0));
+    drag(&mut shop, picture.center(), picture.center() + vec2(40.0, 40.0));
+    assert_eq!(labels(&mut shop).len(), 2, "{}", shop.refusal());
 }
 
 #[test]

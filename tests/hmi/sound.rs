@@ -19,7 +19,7 @@ fn set(machine: &mut Snapshot, level: f64) {
 /// What is heard of a story, one beep at most after each line.
 fn heard(level: u32, story: &str) -> Vec<Beep> {
     let mut rig = ready_with("G04 P100\nM30");
-    tell(&mut rig, &format!("param P488 {level}"));
+    tell(&mut rig, &format!("param P487 {level}"));
     let mut watcher = SoundWatcher::default();
     assert_eq!(watcher.follow(rig.snapshot()), None, "nothing of the first one");
     let beeps = story.lines().filter_map(|line| {

@@ -8,6 +8,7 @@ use kt830::defs::page::Page;
 use kt830::defs::soft_key::CoordinateView;
 use kt830::hmi::theme;
 use kt830::link::Command;
+use kt830::link::internal_signal::InternalSignal;
 use kt830::link::page_command::PageCommand;
 
 use crate::sample::snapshot;
@@ -256,4 +257,40 @@ fn h9_a_second_finger_presses_the_keys_that_stop() {
     // A stop key under a single finger is pressed once.
     let said = two_fingers(place(Key::FeedHold), MIDDLE);
     assert_eq!(said.iter().filter(|what| *what == "Press(FeedHold)").count(), 1, "{said:?}");
+}
+
+/// A hand slaps the emergency stop: several fingers touch it, together or one soon after the other. It stays pressed; a
+/// touch of its own, later, turns it out.
+#[test]
+fn h9_a_slap_with_several_fingers_keeps_the_emergency_stop_pressed() {
+    let screen = open(snapshot(Page::Alarm));
+    let key = Key::EmergencyStop;
+    let place = screen.get_by_label(&format!("{} {}", key.label().zh, key.id())).rect().center();
+    let stops = |said: &[String]| -> Vec<String> {
+        said.iter().filter(|what| what.starts_with("EmergencyStop")).cloned().collect()
+    };
+    let said = two_fingers(place, place + vec2(6.0, 4.0));
+    assert_eq!(stops(&said), ["EmergencyStop(true)", "EmergencyStop(true)"], "{said:?}");
+    // The latch stands in the snapshot: a second finger does not turn it out, nor does a touch at once.
+    let latched = |gap: usize| {
+        let mut machine = snapshot(Page::Alarm);
+        machine.internals = machine.internals.with(InternalSignal::ScreenEmergencyStop, true);
+        let mut screen = open(snapshot(Page::Alarm));
+        // Each in one frame: the harness gives single events a frame of their own.
+        let touch = |screen: &mut Screen, pressed: bool| {
+            let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+            let moved = Event::PointerMoved(place);
+            screen.input_mut().events.extend([moved, Event::PointerButton { pos: place, button, pressed, modifiers }]);
+            screen.step();
+        };
+        touch(&mut screen, true);
+        touch(&mut screen, false);
+        screen.state_mut().snapshot = machine;
+        wait(&mut screen, gap);
+        screen.state_mut().sent.clear();
+        touch(&mut screen, true);
+        stops(&sent(&mut screen))
+    };
+    assert_eq!(latched(0), ["EmergencyStop(true)"]);
+    assert_eq!(latched(8), ["EmergencyStop(false)"]);
 }

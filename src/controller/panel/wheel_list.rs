@@ -55,16 +55,11 @@ impl WheelList {
 
     /// The wheel on the machine as it is now, if it is in the list.
     fn mounted(&self, plant: &Plant) -> Option<WheelRecord> {
-        self.find(mounted_number(plant)).map(|wheel| as_it_is(plant, wheel))
+        self.0.iter().find(|wheel| wheel.is_mounted).map(|wheel| as_it_is(plant, *wheel))
     }
 }
 
-/// The number of the wheel on the machine (P487); 0: it is not in the list.
-fn mounted_number(plant: &Plant) -> u16 {
-    plant.params.get(param::WHEEL_NUMBER) as u16
-}
-
-/// A record with the size, rating and dressings of the wheel on the machine.
+/// A record with the size and rating of the wheel on the machine.
 fn as_it_is(plant: &Plant, wheel: WheelRecord) -> WheelRecord {
     let value = |row| plant.params.get(row);
     WheelRecord {
@@ -72,7 +67,6 @@ fn as_it_is(plant: &Plant, wheel: WheelRecord) -> WheelRecord {
         width_mm: value(param::WHEEL_WIDTH),
         rated_m_s: value(param::WHEEL_RATED_SPEED),
         smallest_mm: value(param::WHEEL_MIN_DIAMETER),
-        dressings: value(param::DRESSING_COUNT) as u32,
         ..wheel
     }
 }
@@ -86,8 +80,7 @@ impl Panel {
             WheelCommand::Keep(number) => self.keep_wheel(parts.plant, number),
             WheelCommand::Mount(number) => self.mount_wheel(parts, number),
             WheelCommand::Remove(number) => {
-                self.wheels.find(number).ok_or(NO_WHEEL)?;
-                if number == mounted_number(parts.plant) {
+                if self.wheels.find(number).ok_or(NO_WHEEL)?.is_mounted {
                     return Err(IS_MOUNTED.into());
                 }
                 self.wheels.remove(parts.plant, number);
@@ -96,14 +89,14 @@ impl Panel {
             WheelCommand::Balanced => {
                 let wheel = self.wheels.mounted(parts.plant).ok_or(NOT_KEPT)?;
                 let balanced = Some(parts.plant.date);
-                self.wheels.set(parts.plant, WheelRecord { balanced, ..wheel });
+                self.wheels.set(parts.plant, WheelRecord { balanced, is_suspect: false, ..wheel });
                 let number = wheel.number;
                 Ok(phrase!("{number} 号砂轮：平衡日期已记", "wheel {number}: balanced now", number))
             }
             WheelCommand::Crashed => {
                 let wheel = self.wheels.mounted(parts.plant).ok_or(NOT_KEPT)?;
                 let (number, crashes, crashed) = (wheel.number, wheel.crashes + 1, Some(parts.plant.date));
-                self.wheels.set(parts.plant, WheelRecord { crashes, crashed, ..wheel });
+                self.wheels.set(parts.plant, WheelRecord { crashes, crashed, is_suspect: true, ..wheel });
                 Ok(phrase!(
                     "{number} 号砂轮：已记碰撞，先检查、敲听，再平衡",
                     "wheel {number}: crash noted; look at it and sound it, then balance it",
@@ -119,28 +112,25 @@ impl Panel {
         if !WHEEL_NUMBERS.contains(&number) {
             return Err(phrase!("编号应在 {least} 到 {most}", "a number from {least} to {most}", least, most));
         }
-        let before = mounted_number(plant);
-        if number != before && self.wheels.find(number).is_some() {
+        let known = self.wheels.mounted(plant);
+        if self.wheels.find(number).is_some_and(|wheel| !wheel.is_mounted) {
             return Err(phrase!("{number} 号是另一片砂轮", "number {number} is another wheel", number));
         }
-        let known = self.wheels.find(before);
-        if known.is_none() && self.wheels.0.len() >= MAX_WHEELS {
-            return Err(IS_FULL.into());
+        match known {
+            None if self.wheels.0.len() >= MAX_WHEELS => return Err(IS_FULL.into()),
+            None => {}
+            Some(known) => self.wheels.remove(plant, known.number),
         }
-        if known.is_some() && number != before {
-            self.wheels.remove(plant, before);
-        }
-        let mounted = known.map_or(Some(plant.date), |known| known.mounted);
-        let wheel = WheelRecord { number, mounted, ..known.unwrap_or_default() };
+        let unknown = || WheelRecord { mounted: Some(plant.date), is_mounted: true, ..WheelRecord::default() };
+        let wheel = WheelRecord { number, ..known.unwrap_or_else(unknown) };
         self.wheels.set(plant, as_it_is(plant, wheel));
-        plant.store_param(param::WHEEL_NUMBER.address(), f64::from(number));
         Ok(phrase!("{number} 号砂轮已存入", "wheel {number} is in the list", number))
     }
 
     /// A wheel of the list comes onto the machine: a wheel change with its data.
     fn mount_wheel(&mut self, parts: &mut Parts<'_>, number: u16) -> Edited {
         let wheel = self.wheels.find(number).ok_or(NO_WHEEL)?;
-        if number == mounted_number(parts.plant) {
+        if wheel.is_mounted {
             return Err(IS_MOUNTED.into());
         }
         if wheel.is_worn() {
@@ -153,31 +143,27 @@ impl Panel {
                 smallest
             ));
         }
-        self.change_wheel(parts, [wheel.diameter_mm, wheel.width_mm, wheel.rated_m_s])?;
-        let plant = &mut *parts.plant;
-        for (row, value) in [
-            (param::WHEEL_MIN_DIAMETER, wheel.smallest_mm),
-            (param::DRESSING_COUNT, f64::from(wheel.dressings)),
-            (param::WHEEL_NUMBER, f64::from(number)),
-        ] {
-            plant.store_param(row.address(), value);
+        let done = self.change_wheel(parts, [wheel.diameter_mm, wheel.width_mm, wheel.rated_m_s])?;
+        if wheel.smallest_mm > 0.0 {
+            parts.plant.store_param(param::WHEEL_MIN_DIAMETER.address(), wheel.smallest_mm);
         }
-        self.wheels.set(plant, WheelRecord { mounted: Some(plant.date), ..wheel });
-        Ok(phrase!(
-            "已换上 {number} 号砂轮：先设修整点并修整",
-            "wheel {number} mounted: set its dressing point and dress it",
-            number
-        ))
+        self.wheels.set(parts.plant, WheelRecord { mounted: Some(parts.plant.date), is_mounted: true, ..wheel });
+        Ok(done)
     }
 
-    /// Another wheel is on the machine (K5.17); what has become of the one before is kept in the list.
+    /// Another wheel is on the machine (K5.17); what has become of the one before is kept in the list. A smallest diameter
+    /// that the new one does not have was that of the old one.
     pub(super) fn change_wheel(&mut self, parts: &mut Parts<'_>, size: [f64; 3]) -> Edited {
-        let before = self.wheels.mounted(parts.plant);
+        let (before, dressings) =
+            (self.wheels.mounted(parts.plant), parts.plant.params.get(param::DRESSING_COUNT) as u32);
         let done = change_wheel(parts, &self.screens, size)?;
         if let Some(wheel) = before {
-            self.wheels.set(parts.plant, wheel);
+            let dressings = wheel.dressings + dressings;
+            self.wheels.set(parts.plant, WheelRecord { dressings, is_mounted: false, ..wheel });
         }
-        parts.plant.store_param(param::WHEEL_NUMBER.address(), 0.0);
+        if parts.plant.params.get(param::WHEEL_MIN_DIAMETER) >= size[0] {
+            parts.plant.store_param(param::WHEEL_MIN_DIAMETER.address(), 0.0);
+        }
         self.forget_offset_of_part();
         Ok(done)
     }

@@ -233,8 +233,7 @@ numbers! {
     WEB_PORT = 483, 0 => 65_535, 0, "", Builder, "网络：浏览器视图端口 (0 关，通常 8083)", "network: port of the view for browsers, 0 off, usually 8083";
     MQTT_ENABLED = 484, 0 => 1, 0, "", Builder, "网络：MQTT 0 关 1 连接 mqtt.ron 中的服务器", "network: MQTT, 0 off, 1 to the broker of mqtt.ron";
     SHOP_ORDERS = 485, 0 => 1, 0, "", Builder, "网络：车间订单 0 不接收 1 待操作者接受", "network: orders of the shop, 0 ignored, 1 proposed to the operator";
-    SOUND = 488, 0 => 2, 0, "", User, "声音 0 关 1 报警、拒绝、工件完成 2 按键也响", "sounds: 0 off, 1 alarms, refusals, finished parts, 2 keys, too";
-    WHEEL_NUMBER = 487, 0 => 99, 0, "", User, "机床上砂轮的编号 (0 不在砂轮库中)", "number of the wheel on the machine, 0: not in the list of wheels";
+    SOUND = 487, 0 => 2, 0, "", User, "声音 0 关 1 报警、拒绝、工件完成 2 按键也响", "sounds: 0 off, 1 alarms, refusals, finished parts, 2 keys, too";
     WEB_REACH = 486, 0 => 1, 0, "", Builder, "网络：浏览器视图范围 0 只限本机 1 全部网卡 (TLS，密码)", "network: reach of the view for browsers, 0 this computer, 1 all (TLS, password)";
     MAX_STALL = 475, 100 => 10_000, 1_000, "ms", Builder, "控制停顿报警时间 (404)", "stall of the control that holds a program (404)";
     POWER_FAIL_RETRACT = 379, 0 => 50, 0, "mm", Builder, "供电中断时砂轮退回距离 (0 不退)", "wheel retract when the supply fails, 0 none", Wheel;

@@ -6,7 +6,7 @@ use egui::Rect;
 use super::{DesignerPage, DesignerQuestion, DesignerTab};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, VariableUse};
-use crate::defs::text::{Lang, LocalizedText, Text, phrase};
+use crate::defs::text::{Lang, Text, phrase};
 use crate::defs::variable_name;
 use crate::hmi::page::program::actions::{EDIT_FIRST, NOTHING_TO_SAVE};
 use crate::hmi::widget::{self, page_keys};
@@ -146,6 +146,11 @@ impl DesignerPage {
         let name = variable_name::variable_name_on(u32::from(row.variable), view.snapshot.kind);
         let label: String = row.comment.chars().filter(|sign| !";#%；＃％".contains(*sign)).take(16).collect();
         let label = if label.trim().is_empty() { view.text("参数", "value") } else { label.trim() }.to_owned();
+        let beyond = self.chosen_entry().filter(|index| *index >= self.reading.entry_positions.len());
+        if let Some(index) = beyond {
+            self.write_entries(&[(index, format!("{label} {name}"))]);
+            return self.message.tell(phrase!("已加入 {name}，请改名称", "{name} added: edit its name", name));
+        }
         let page = &self.reading.page;
         let slots = page.left.iter().chain(&page.right);
         let faulty = |line: u32| self.reading.faults.iter().any(|fault| fault.line == line);
@@ -157,7 +162,7 @@ impl DesignerPage {
         let at = match (free, self.reading.end) {
             (Some((_, (line, column))), _) => Ok((*line, *column, format!("{label} {name}"))),
             (None, Some((line, column))) if self.reading.entry_positions.len() < 2 * COLUMN_ROWS => {
-                Ok((line, column, format!("{label} {name};\n")))
+                Ok((line, column, format!("{label} {name};{}", self.document.line_end())))
             }
             (None, Some(_)) => Err(phrase!("页面已满：左右各十项", "the page is full: ten in each column")),
             (None, None) => Err(phrase!("先改正错误：缺少 %", "correct the errors first: the % is missing")),
@@ -168,8 +173,7 @@ impl DesignerPage {
                 let at = self.document.cursor;
                 self.document.replace(at, at, &text);
                 self.position.scroll.user_scrolled = false;
-                let (zh, en) = (format!("已加入 {name}，请改名称"), format!("{name} added: edit its name"));
-                self.message.tell(LocalizedText::new(zh, en));
+                self.message.tell(phrase!("已加入 {name}，请改名称", "{name} added: edit its name", name));
                 self.tab = DesignerTab::Variables;
             }
             Err(why) => self.message.refuse(why),

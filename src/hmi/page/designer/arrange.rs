@@ -115,7 +115,10 @@ impl DesignerPage {
             let from = view.ui.input(|input| input.pointer.press_origin());
             self.preview_drag = from.map(PreviewDrag::Frame);
         }
-        let Some(at) = view.finger() else { return };
+        let Some(at) = view.finger() else {
+            self.preview_drag = None;
+            return;
+        };
         let frame = match self.preview_drag {
             Some(PreviewDrag::Frame(from)) => Rect::from_two_pos(image.clamp(from), image.clamp(at)),
             _ => Rect::from_min_size(at, Vec2::ZERO),
@@ -150,7 +153,7 @@ impl DesignerPage {
         let words =
             view.text("拖动换位；在图上画框标出所选变量", "drag to move; draw the chosen one's frame on the picture");
         view.text_rows(hint.trim_right(theme::GAP), words, theme::SMALL, view.theme.muted, 2);
-        let (remove, unmark) = (view.text("删除该项", "REMOVE ENTRY"), view.text("删除图标", "REMOVE FRAME"));
+        let (remove, unmark) = (view.text("删除该项", "REMOVE"), view.text("删除图标", "NO FRAME"));
         let key = PageKey::new("entry-remove", remove).locked(entry.is_none());
         if self.key(view, keys.cell(0, 2), key)
             && let Some(index) = entry
@@ -177,8 +180,12 @@ impl DesignerPage {
             return self.message.refuse(fault.full_message());
         }
         let (page, base) = (self.document.number, self.labels(view));
-        let mut labels: Vec<_> = base.iter().copied().filter(|label| label.variable != variable).collect();
-        labels.extend(label);
+        let mut labels = base.clone();
+        match (label, labels.iter_mut().find(|known| known.variable == variable)) {
+            (Some(label), Some(known)) => *known = label,
+            (Some(label), None) => labels.push(label),
+            (None, _) => labels.retain(|known| known.variable != variable),
+        }
         let request = FileRequest::SavePictureLabels { page, labels, base };
         out.push(self.asking.send(Requester::Designer, DesignerRequest::Labels, request));
     }
@@ -186,6 +193,9 @@ impl DesignerPage {
     /// The place of the entry that holds the cursor.
     pub(super) fn chosen_entry(&self) -> Option<usize> {
         let cursor = self.document.cursor;
+        if let Some((index, _)) = self.empty_place.filter(|(_, place)| *place == cursor) {
+            return Some(index);
+        }
         (0..self.reading.entry_positions.len())
             .find(|index| self.entry_range(*index).is_some_and(|range| range.start <= cursor && cursor <= range.end))
     }
@@ -193,8 +203,12 @@ impl DesignerPage {
     /// Puts the cursor into an entry; a place that the text does not reach yet gets its entry.
     fn choose_entry(&mut self, index: usize) {
         self.message.clear();
+        self.empty_place = None;
         if index >= self.reading.entry_positions.len() {
-            self.write_entries(&[(index, String::new())]);
+            // Nothing is written before something comes here.
+            self.document.move_to(self.reading.end.map_or(0, |(line, _)| line as usize - 1), 0);
+            self.empty_place = Some((index, self.document.cursor));
+            return;
         }
         let Some(range) = self.entry_range(index) else {
             if let Some((line, column)) = self.reading.entry_positions.get(index) {
@@ -254,7 +268,7 @@ impl DesignerPage {
     }
 
     /// Writes entries anew, as one change; entries that the text does not have yet are added before its `%`.
-    fn write_entries(&mut self, entries: &[(usize, String)]) {
+    pub(super) fn write_entries(&mut self, entries: &[(usize, String)]) {
         if !self.editing {
             return self.message.refuse(EDIT_FIRST);
         }
@@ -268,9 +282,10 @@ impl DesignerPage {
         let last = sorted.first().map_or(0, |(index, _)| *index);
         if let Some((line, column)) = self.reading.end {
             let at = rope.line_to_char(line as usize - 1) + column as usize - 1;
+            let end = self.document.line_end();
             let added = (known..=last).map(|index| {
                 let text = entries.iter().find(|(of, _)| *of == index).map_or("", |(_, text)| text.as_str());
-                format!("{text};\n")
+                format!("{text};{end}")
             });
             rope.insert(at, &added.collect::<String>());
         }

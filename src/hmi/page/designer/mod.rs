@@ -94,6 +94,8 @@ pub struct DesignerPage {
     tab: DesignerTab,
     /// What is dragged over the preview.
     preview_drag: Option<arrange::PreviewDrag>,
+    /// A place that the text does not reach yet was chosen, with the cursor then.
+    empty_place: Option<(usize, usize)>,
     editing: bool,
     keyboard_open: bool,
     /// The file must be requested.

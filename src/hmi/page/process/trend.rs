@@ -142,7 +142,10 @@ fn paint_sizes(view: &View<'_>, plot: Rect, sized: &[&PartRecord], chart: &[Ewma
     let first = sized.len() - chart.len();
     paint_chart(view, plot, chart, |at, value| pos2(x(first + at), y(value)));
     // A dashed line where the wheel was dressed.
-    for index in (1..sized.len()).filter(|index| sized[*index].since_dressing <= sized[index - 1].since_dressing) {
+    let was_dressed = |before: &PartRecord, part: &PartRecord| {
+        u64::from(part.since_dressing) < u64::from(before.since_dressing) + (part.count - before.count)
+    };
+    for index in (1..sized.len()).filter(|index| was_dressed(sized[index - 1], sized[*index])) {
         let at = x(index) - step / 2.0;
         let line = [pos2(at, plot.min.y), pos2(at, plot.max.y)];
         view.painter.extend(Shape::dashed_line(&line, Stroke::new(theme::HAIRLINE, view.theme.muted), DASH.0, DASH.1));

@@ -264,7 +264,7 @@ impl Document {
     }
 
     /// Line end of the first line.
-    fn line_end(&self) -> &'static str {
+    pub fn line_end(&self) -> &'static str {
         let first = self.rope.line(0);
         let length = first.len_chars();
         match length.checked_sub(1).map(|last| first.char(last)) {

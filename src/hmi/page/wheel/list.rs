@@ -11,7 +11,7 @@ use crate::defs::wheel_record::{WHEEL_NUMBERS, WheelRecord};
 use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
 use crate::hmi::widget::page_keys;
 use crate::hmi::{
-    Area, EditKey, FieldEditor, KeyboardFocus, PageKey, Question, QuestionDialog, ValueField, View, keycap,
+    Area, CoreAnswer, EditKey, FieldEditor, KeyboardFocus, PageKey, Question, QuestionDialog, ValueField, View, keycap,
     round_to_lines, theme,
 };
 use crate::link::wheels::WheelCommand;
@@ -50,6 +50,8 @@ pub struct WheelListView {
     /// The number under which the mounted wheel is kept.
     pub typing: FieldEditor,
     scroll: Scroll,
+    /// A wheel that the keyboard has reached: it is brought into sight.
+    revealed: Option<usize>,
     walk: KeyboardFocus,
     question: QuestionDialog<WheelCommand>,
     /// The question was open when the frame began: it gets the keys.
@@ -62,7 +64,11 @@ impl WheelListView {
         self.asks = self.question.is_open();
         let own: Vec<EditKey> = edits.iter().copied().filter(|_| !self.asks).collect();
         // Digits are the number, the other keys walk over wheels and keys.
-        let rest: Vec<EditKey> = own.into_iter().filter(|edit| !self.types(*edit)).collect();
+        let mut rest: Vec<EditKey> = own.into_iter().filter(|edit| !self.types(*edit)).collect();
+        self.follow_arrows(view, &mut rest);
+        if let CoreAnswer::Accepted(..) = self.typing.poll_answer(&view.snapshot.edit_answer) {
+            self.typing.clear();
+        }
         self.walk.begin_frame(&rest);
         let body = group(view, rect, view.text("砂轮库", "wheels of the shop"));
         let (list, keys) = body.split_bottom(2.0 * KEY_HEIGHT + theme::GAP);
@@ -98,8 +104,30 @@ impl WheelListView {
     }
 
     fn types(&mut self, edit: EditKey) -> bool {
-        let is_number = matches!(edit, EditKey::Char('0'..='9') | EditKey::Backspace);
-        is_number && self.typing.handle_key(edit)
+        match edit {
+            EditKey::Char('0'..='9') | EditKey::Backspace | EditKey::Cancel => self.typing.handle_key(edit),
+            // The pad lies over the keys: the number stays, the pad goes.
+            EditKey::Enter => std::mem::take(&mut self.typing.pad_open),
+            _ => false,
+        }
+    }
+
+    /// Up and down go from wheel to wheel.
+    fn follow_arrows(&mut self, view: &View<'_>, edits: &mut Vec<EditKey>) {
+        let wheels = &view.snapshot.production.wheels;
+        let at = |chosen: Option<u16>| wheels.iter().position(|wheel| Some(wheel.number) == chosen);
+        edits.retain(|edit| {
+            let next = match (edit, at(self.chosen)) {
+                (EditKey::Down, None) => 0,
+                (EditKey::Down, Some(at)) => at + 1,
+                (EditKey::Up, at) => at.unwrap_or_default().saturating_sub(1),
+                _ => return true,
+            };
+            if let Some(wheel) = wheels.get(next) {
+                (self.chosen, self.revealed) = (Some(wheel.number), Some(next));
+            }
+            false
+        });
     }
 
     /// The number under which KEEP keeps the mounted wheel: typed, its own, or the next free one.
@@ -107,7 +135,7 @@ impl WheelListView {
         if !self.typing.text.is_empty() {
             return self.typing.text.parse().map_err(|_| NO_NUMBER.into());
         }
-        let mounted = mounted_number(snapshot);
+        let mounted = mounted(snapshot).map_or(0, |wheel| wheel.number);
         let is_free = |number: &u16| snapshot.production.wheels.iter().all(|wheel| wheel.number != *number);
         Ok(if mounted > 0 { mounted } else { WHEEL_NUMBERS.into_iter().find(is_free).unwrap_or_default() })
     }
@@ -118,7 +146,7 @@ impl WheelListView {
         let name = view.text("机床上砂轮的编号", "number of the wheel on the machine");
         view.fit_left(label, name, theme::LABEL, view.theme.text);
         let words = self.number(view.snapshot).map_or_else(|_| String::new(), |number| number.to_string());
-        let is_kept = mounted_number(view.snapshot) > 0;
+        let is_kept = mounted(view.snapshot).is_some();
         let ink = if is_kept { view.theme.text } else { view.theme.muted };
         let field = ValueField { plate: rect, value, size: theme::SECONDARY, words, ink };
         FieldEditor::paint(Some(&self.typing), view, field);
@@ -139,20 +167,19 @@ impl WheelListView {
         }
         let rect = round_to_lines(rect, ROW_HEIGHT);
         let list = ScrollList { id: "wheels", rect, row: ROW_HEIGHT, gap: 4.0, count: wheels.len() };
+        if let Some(index) = self.revealed.take() {
+            self.scroll.reveal(index, rect, ROW_HEIGHT);
+        }
         let (clipped, places) = self.scroll.rows(view, &list, 0);
         for (index, place) in places {
             let wheel = as_it_is(view.snapshot, &wheels[index]);
             let chosen = self.chosen == Some(wheel.number);
             let name = format!("wheel {}", wheel.number);
             let response = clipped.touch_row(place, ("wheel", wheel.number), chosen, name);
-            let (reached, entered) = self.walk.item();
-            if response.clicked() || entered {
+            if response.clicked() {
                 self.chosen = Some(wheel.number);
             }
             row(&clipped, place, &wheel, chosen);
-            if reached {
-                clipped.frame(place, view.theme.focus);
-            }
         }
     }
 
@@ -174,10 +201,16 @@ impl WheelListView {
         match (key, chosen) {
             (Back, _) => {}
             (Keep, _) => match self.number(view.snapshot) {
-                Ok(number) => {
-                    self.typing.clear();
-                    out.push(Command::Wheel(WheelCommand::Keep(number)));
-                }
+                Ok(number) => match mounted(view.snapshot).filter(|wheel| wheel.number != number) {
+                    Some(wheel) => {
+                        self.typing.clear();
+                        self.question.ask(WheelCommand::Keep(number), renumber_question(wheel.number, number));
+                    }
+                    None => {
+                        self.typing.send(0);
+                        out.push(Command::Wheel(WheelCommand::Keep(number)));
+                    }
+                },
                 Err(why) => self.typing.refused = Some(why),
             },
             (Balanced, _) => out.push(Command::Wheel(WheelCommand::Balanced)),
@@ -189,20 +222,20 @@ impl WheelListView {
     }
 }
 
-fn mounted_number(snapshot: &Snapshot) -> u16 {
-    snapshot.params.get(param::WHEEL_NUMBER) as u16
+fn mounted(snapshot: &Snapshot) -> Option<&WheelRecord> {
+    snapshot.production.wheels.iter().find(|wheel| wheel.is_mounted)
 }
 
 /// The wheel on the machine is as the machine has made it.
 fn as_it_is(snapshot: &Snapshot, wheel: &WheelRecord) -> WheelRecord {
-    if wheel.number != mounted_number(snapshot) {
+    if !wheel.is_mounted {
         return *wheel;
     }
     let value = |row| snapshot.params.get(row);
     WheelRecord {
         diameter_mm: value(param::WHEEL_DIAMETER),
         smallest_mm: value(param::WHEEL_MIN_DIAMETER),
-        dressings: value(param::DRESSING_COUNT) as u32,
+        dressings: wheel.dressings + value(param::DRESSING_COUNT) as u32,
         ..*wheel
     }
 }
@@ -210,16 +243,18 @@ fn as_it_is(snapshot: &Snapshot, wheel: &WheelRecord) -> WheelRecord {
 fn row(view: &View<'_>, place: Rect, wheel: &WheelRecord, chosen: bool) {
     view.row_card(place, chosen);
     let (top, below) = place.shrink2(vec2(10.0, 3.0)).split_top_bottom_at_fraction(0.54);
-    let is_mounted = wheel.number == mounted_number(view.snapshot);
-    let (state, ink) = if wheel.is_suspect() {
+    let (state, ink) = if wheel.is_suspect {
         (view.text("碰撞后未平衡", "not balanced since its crash"), view.theme.alarm_text)
     } else if wheel.is_worn() {
         (view.text("已到最小直径", "worn down"), view.theme.hold)
-    } else if is_mounted {
+    } else if wheel.is_mounted {
         (view.text("在机床上", "on the machine"), view.theme.info)
     } else {
         ("", view.theme.muted)
     };
+    if wheel.is_mounted {
+        view.edge_bar(place, view.theme.info);
+    }
     let right = view.line(top, Align2::RIGHT_CENTER, state, theme::SMALL, ink);
     let WheelRecord { number, diameter_mm, width_mm, rated_m_s, dressings, smallest_mm, crashes, .. } = *wheel;
     let words = format!("{number}  Ø{diameter_mm} × {width_mm} mm · {rated_m_s} m/s");
@@ -250,7 +285,21 @@ fn mount_question(wheel: &WheelRecord) -> Question {
         width_mm,
         rated_m_s
     );
-    Question::new(Text::new("已换砂轮？", "wheel changed?"), body, ("question-mount", Text::new("已装上", "MOUNTED")))
+    let title = match wheel.is_suspect {
+        true => Text::new("已换砂轮？它撞过，尚未平衡", "wheel changed? It has crashed and was not balanced since"),
+        false => Text::new("已换砂轮？", "wheel changed?"),
+    };
+    Question::new(title, body, ("question-mount", Text::new("已装上", "MOUNTED")))
+}
+
+fn renumber_question(before: u16, number: u16) -> Question {
+    let body = phrase!(
+        "机床上的砂轮是 {before} 号。改为 {number} 号？另一片砂轮请先按“装上”或在换砂轮页面输入。",
+        "The wheel on the machine is number {before}. Shall it be number {number}? Another wheel is mounted from the list or entered as changed.",
+        before,
+        number
+    );
+    Question::new(Text::new("改编号？", "another number?"), body, ("question-renumber", Text::new("改", "RENUMBER")))
 }
 
 fn remove_question(wheel: &WheelRecord) -> Question {
