@@ -49,19 +49,19 @@ fn k5_17_a_wheel_comes_back_with_its_diameter_and_its_dressings() {
     tell(&mut rig, "param P77 590\nparam P97 5");
     change(&mut rig, 610.0);
     let kept = wheel(&mut rig, 3);
-    assert_eq!((kept.diameter_mm, kept.width_mm, kept.rated_m_s), (590.0, 20.0, 35.0));
-    assert_eq!((kept.smallest_mm, kept.dressings), (480.0, 5));
-    let value = |rig: &mut HeadlessHost, row| rig.snapshot().params.get(row);
+    let sizes = [kept.diameter_mm, kept.width_mm, kept.rated_m_s, kept.smallest_mm].map(f64::to_bits);
+    assert_eq!((sizes, kept.dressings), ([590.0, 20.0, 35.0, 480.0].map(f64::to_bits), 5));
+    let value = |rig: &mut HeadlessHost, row| (rig.snapshot().params.get(row) * 1_000.0).round() as i64;
     assert!(!kept.is_mounted, "the new one is not in the list");
     done(&mut rig, WheelCommand::Keep(4));
     done(&mut rig, WheelCommand::Mount(3));
     let rows = [param::WHEEL_DIAMETER, param::WHEEL_WIDTH, param::WHEEL_RATED_SPEED, param::WHEEL_MIN_DIAMETER];
-    assert_eq!(rows.map(|row| value(&mut rig, row)), [590.0, 20.0, 35.0, 480.0]);
+    assert_eq!(rows.map(|row| value(&mut rig, row)), [590_000, 20_000, 35_000, 480_000]);
     // Programs take no dressings (#5805) as the sign of another wheel; the list knows those of earlier mountings.
-    assert_eq!(value(&mut rig, param::DRESSING_COUNT), 0.0);
+    assert_eq!(value(&mut rig, param::DRESSING_COUNT), 0);
     assert_eq!((wheel(&mut rig, 3).is_mounted, wheel(&mut rig, 3).dressings), (true, 5));
     assert!(rig.snapshot().params.bit(param::WHEEL_UNDRESSED), "no cycle start before it is dressed");
-    assert_eq!(wheel(&mut rig, 4).diameter_mm, 610.0);
+    assert!((wheel(&mut rig, 4).diameter_mm - 610.0).abs() < 1e-9);
     // Nothing is lost at a power cut.
     rig.power_cut();
     rig.power_on();
@@ -74,9 +74,9 @@ fn k5_17_a_wheel_comes_back_with_its_diameter_and_its_dressings() {
     change(&mut rig, 610.0);
     assert_eq!(wheel(&mut rig, 3).dressings, 7);
     // A smallest diameter that the new wheel does not have was that of the old one.
-    assert_eq!(value(&mut rig, param::WHEEL_MIN_DIAMETER), 480.0);
+    assert_eq!(value(&mut rig, param::WHEEL_MIN_DIAMETER), 480_000);
     change(&mut rig, 400.0);
-    assert_eq!(value(&mut rig, param::WHEEL_MIN_DIAMETER), 0.0);
+    assert_eq!(value(&mut rig, param::WHEEL_MIN_DIAMETER), 0);
 }
 
 /// A parameter that is imported from elsewhere does not say which wheel is on the machine.
@@ -88,7 +88,8 @@ fn k5_17_every_wheel_keeps_its_own_data() {
     done(&mut rig, WheelCommand::Keep(4));
     change(&mut rig, 620.0);
     done(&mut rig, WheelCommand::Mount(3));
-    assert_eq!([3, 4].map(|number| wheel(&mut rig, number).diameter_mm), [600.0, 610.0]);
+    let diameters = [3, 4].map(|number| wheel(&mut rig, number).diameter_mm.to_bits());
+    assert_eq!(diameters, [600.0, 610.0].map(f64::to_bits));
     assert_eq!(rig.snapshot().production.wheels.iter().filter(|wheel| wheel.is_mounted).count(), 1);
 }
 
@@ -100,7 +101,7 @@ fn k5_17_a_wheel_is_not_mounted_where_it_must_not_be() {
     assert_eq!(send(&mut rig, WheelCommand::Mount(8)), "砂轮库中没有这个编号");
     tell(&mut rig, "mode manual\nkey wheel-start\nwait 1 s\nexpect output wheel on");
     assert_eq!(send(&mut rig, WheelCommand::Mount(3)), "砂轮还在转，先停砂轮");
-    assert_eq!(rig.snapshot().params.get(param::WHEEL_DIAMETER), 610.0);
+    assert!((rig.snapshot().params.get(param::WHEEL_DIAMETER) - 610.0).abs() < 1e-9);
     tell(&mut rig, "key wheel-stop\nwait 1 s\npage position");
     assert_eq!(send(&mut rig, WheelCommand::Mount(3)), "请在换砂轮页面操作");
     tell(&mut rig, "page wheel");
