@@ -39,6 +39,6 @@ for page in directory diagnosis offset params; do shot "$page" "$page" ""; done
 
 # README: a second of the film, in both languages.
 for lang in zh en; do
-  "$program" demo --record "$work/film-$lang" --fps 1 --lang "$lang" --data "$work/film-data-$lang" > /dev/null
-  cp "$work/film-$lang/frame-00044.png" "docs/picture/film-$lang.png"
+  "$program" demo --record "$work/film-$lang" --fps 1 --lang "$lang" > /dev/null
+  cp "$work/film-$lang/frame-00043.png" "docs/picture/film-$lang.png"
 done
