@@ -1,11 +1,12 @@
 #! The demonstration for spectators, first part: a cylindrical grinder from power-on to a ground part.
 kind gc
-power on
-page home
+power cut
 title "外圆磨床：从开机到磨好一根轴" "Cylindrical grinder: from power-on to a ground shaft"
 wait 3.5 s
+power on
+page home
 caption "页面下边一排说还缺什么：液压，回零 ……" "The strip at the foot says what is still missing: hydraulics, homing …"
-wait 2 s
+wait 1 s
 key 液压
 wait 3 s
 load O1002
