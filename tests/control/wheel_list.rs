@@ -79,6 +79,21 @@ fn k5_17_a_wheel_comes_back_with_its_diameter_and_its_dressings() {
     assert_eq!(value(&mut rig, param::WHEEL_MIN_DIAMETER), 0);
 }
 
+/// The smallest diameter of the wheel before is not that of one that has none.
+#[test]
+fn k5_17_a_wheel_without_a_smallest_diameter_has_none_when_it_is_mounted() {
+    let mut rig = bench();
+    tell(&mut rig, "param P374 0\npage wheel");
+    done(&mut rig, WheelCommand::Keep(3));
+    change(&mut rig, 610.0);
+    tell(&mut rig, "param P374 480\npage wheel");
+    done(&mut rig, WheelCommand::Keep(4));
+    for (number, smallest) in [(3, 0), (4, 480), (3, 0)] {
+        done(&mut rig, WheelCommand::Mount(number));
+        assert_eq!(rig.snapshot().params.get(param::WHEEL_MIN_DIAMETER).round() as i64, smallest, "wheel {number}");
+    }
+}
+
 /// A parameter that is imported from elsewhere does not say which wheel is on the machine.
 #[test]
 fn k5_17_every_wheel_keeps_its_own_data() {

@@ -112,18 +112,21 @@ impl Panel {
         if !WHEEL_NUMBERS.contains(&number) {
             return Err(phrase!("编号应在 {least} 到 {most}", "a number from {least} to {most}", least, most));
         }
-        let known = self.wheels.mounted(plant);
         if self.wheels.find(number).is_some_and(|wheel| !wheel.is_mounted) {
             return Err(phrase!("{number} 号是另一片砂轮", "number {number} is another wheel", number));
         }
-        match known {
+        let wheel = match self.wheels.mounted(plant) {
             None if self.wheels.0.len() >= MAX_WHEELS => return Err(IS_FULL.into()),
-            None => {}
-            Some(known) => self.wheels.remove(plant, known.number),
-        }
-        let unknown = || WheelRecord { mounted: Some(plant.date), is_mounted: true, ..WheelRecord::default() };
-        let wheel = WheelRecord { number, ..known.unwrap_or_else(unknown) };
-        self.wheels.set(plant, as_it_is(plant, wheel));
+            None => as_it_is(
+                plant,
+                WheelRecord { number, mounted: Some(plant.date), is_mounted: true, ..WheelRecord::default() },
+            ),
+            Some(known) => {
+                self.wheels.remove(plant, known.number);
+                WheelRecord { number, ..known }
+            }
+        };
+        self.wheels.set(plant, wheel);
         Ok(phrase!("{number} 号砂轮已存入", "wheel {number} is in the list", number))
     }
 
@@ -144,9 +147,7 @@ impl Panel {
             ));
         }
         let done = self.change_wheel(parts, [wheel.diameter_mm, wheel.width_mm, wheel.rated_m_s])?;
-        if wheel.smallest_mm > 0.0 {
-            parts.plant.store_param(param::WHEEL_MIN_DIAMETER.address(), wheel.smallest_mm);
-        }
+        parts.plant.store_param(param::WHEEL_MIN_DIAMETER.address(), wheel.smallest_mm);
         self.wheels.set(parts.plant, WheelRecord { mounted: Some(parts.plant.date), is_mounted: true, ..wheel });
         Ok(done)
     }
