@@ -11,6 +11,7 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::text::{Lang, LocalizedText, Translation};
+use crate::link::page_command::ZOOMS;
 use crate::units::{Axis, Micros};
 
 /// KT-830: a CNC control for grinding machines. Without a command it opens the control full-screen.
@@ -70,6 +71,9 @@ pub struct SharedArgs {
     /// Brightness of the picture in percent, as set on the machine.
     #[arg(skip = 100)]
     pub brightness: u8,
+    /// Size of the screen in percent: 100, 150 or 200 [default: as set on the machine]
+    #[arg(long = "zoom", global = true, value_name = "PERCENT", value_parser = zoom)]
+    pub zoom: Option<u16>,
     /// What the home page keeps, as set on the machine.
     #[arg(skip)]
     pub favourites: Vec<Favourite>,
@@ -491,6 +495,12 @@ fn variable(word: &str) -> Result<(u16, f64), String> {
     let number = crate::story::parse::variable(name.trim()).ok_or_else(wrong)?;
     let value: f64 = value.trim().parse().map_err(|_| wrong())?;
     if value.is_finite() { Ok((number, value)) } else { Err(wrong()) }
+}
+
+/// A size of the screen, percent.
+fn zoom(word: &str) -> Result<u16, String> {
+    let known = word.trim_end_matches(['%', ' ']).parse().ok().filter(|percent| ZOOMS.contains(percent));
+    known.ok_or_else(|| format!("write one of {ZOOMS:?}"))
 }
 
 /// A time as people write it, s: `90`, `90s`, `10min`, `2h`; a day at most.

@@ -76,6 +76,7 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
     shared.light = stored.light.unwrap_or_default();
     shared.favourites = known_favourites(&stored.favourites);
     shared.brightness = stored.brightness.unwrap_or(shared.brightness);
+    shared.zoom = shared.zoom.or(stored.zoom);
     Ok(shared)
 }
 
@@ -85,6 +86,7 @@ pub fn screen(shared: &SharedArgs) -> crate::hmi::Hmi {
     let mut hmi = crate::hmi::Hmi::new(shared.lang);
     hmi.add_languages(&shared.added_languages, shared.has_language_faults);
     hmi.set_light(shared.light);
+    hmi.set_zoom(shared.zoom.unwrap_or_default());
     hmi.set_favourites(shared.favourites.clone());
     hmi
 }

@@ -4,7 +4,7 @@
 use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui};
+use egui::{Color32, ColorImage, Rect, Ui};
 
 use super::closing::Closing;
 use super::explanation::Explanation;
@@ -13,8 +13,9 @@ use super::layout::Regions;
 use super::numeric_pad::NumericPad;
 use super::page_frame::{self, FrameTouch, SoftKeyPress};
 use super::page_map::PageMap;
+use super::page_picture::PagePicture;
 use super::panel::OperatorPanel;
-use super::panel::layout::panel_layout;
+use super::screen_zoom::{self, ScreenZoom, ZoomedScreen};
 use super::swipe::{Swipe, SwipeTurn};
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
@@ -33,7 +34,6 @@ use crate::hmi::page::{PageSet, PageUi};
 use crate::link::files::{FileRequest, Requester};
 use crate::link::media::Screenshot;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
-use crate::link::screens::Picture;
 use crate::link::{Command, Snapshot};
 
 /// How long a local refusal stays in the message line, s.
@@ -48,6 +48,7 @@ pub struct Hmi {
     theme: Theme,
     /// Percent.
     brightness: u8,
+    zoom: ScreenZoom,
     page: Option<Page>,
     pages: PageSet,
     /// Kind and number of the control of the newest snapshot.
@@ -72,8 +73,7 @@ pub struct Hmi {
     /// The window was asked to close since the last frame.
     close_asked: bool,
     pad: NumericPad,
-    /// The picture of the page, and whether its colours are those of the light theme.
-    picture: Option<(Arc<Picture>, bool, TextureHandle)>,
+    picture: PagePicture,
     /// Screenshots that wait to be sent to the disk thread.
     screenshots: Arc<Mutex<Vec<Arc<ColorImage>>>>,
 }
@@ -96,6 +96,7 @@ impl Hmi {
             light: false,
             theme: theme::DARK,
             brightness: *BRIGHTNESS.end(),
+            zoom: ScreenZoom::default(),
             page: None,
             pages: PageSet::default(),
             recorded: None,
@@ -115,7 +116,7 @@ impl Hmi {
             closing: Closing::default(),
             close_asked: false,
             pad: NumericPad::default(),
-            picture: None,
+            picture: PagePicture::default(),
             screenshots: Arc::default(),
         }
     }
@@ -166,6 +167,17 @@ impl Hmi {
         self.brightness = percent.clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());
     }
 
+    /// Sets the size of the screen, percent: one of those of [`crate::link::page_command::ZOOMS`].
+    pub fn set_zoom(&mut self, percent: u16) {
+        self.zoom.set_percent(percent);
+    }
+
+    /// How much larger everything is than the size of the display asks for.
+    #[must_use]
+    pub fn zoom(&self) -> f32 {
+        f32::from(self.zoom.percent()) / 100.0
+    }
+
     /// The value being typed, for tests and stories.
     #[must_use]
     pub fn variable_entry(&self) -> Option<&VariableEntry> {
@@ -200,7 +212,7 @@ impl Hmi {
     pub fn record(&mut self, snapshot: &Snapshot) {
         let now = (snapshot.kind, snapshot.host.control);
         if self.recorded.is_some_and(|before| before != now) {
-            (self.page, self.pages, self.picture) = (None, PageSet::default(), None);
+            (self.page, self.pages, self.picture) = (None, PageSet::default(), PagePicture::default());
         }
         self.recorded = Some(now);
         self.pages.record(snapshot);
@@ -209,13 +221,16 @@ impl Hmi {
     /// Draws one frame over the whole `ui` and returns the operator's commands.
     /// egui may run several passes per frame: collect the commands of all passes and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
-        let (ui, mut out) = (&*ui, Vec::new());
+        let mut out = Vec::new();
         self.record(snapshot);
+        let zoomed = self.zoom.place(ui.max_rect());
+        let screen = screen_zoom::screen_of(ui, zoomed.as_ref());
+        let (display, ui) = (&*ui, &screen);
         let frame = self.scratch(snapshot);
         let view = self.view(ui, snapshot, &frame);
+        let outer = View { ui: display, painter: display.painter().clone(), ..view.clone() };
         self.follow_snapshot(&view);
-        let regions = Regions::new(ui.max_rect());
-        let panel = panel_layout(snapshot.fitted(), regions.panel, regions.portrait);
+        let (regions, panel) = screen_zoom::layout(&screen, zoomed.as_ref(), snapshot.fitted());
         let words =
             if self.help_open { self.help.accepts_text() } else { self.pages.page(snapshot.page).accepts_text() };
         let words = words && !snapshot.state.is_active() && !self.page_map.is_open();
@@ -244,13 +259,18 @@ impl Hmi {
         out.extend(demo_band::takes_over(&view).then_some(Command::TakeOver));
         self.closing.ui(content, &view, &to_closing, &mut out);
         let typing = !self.is_page_covered() && self.pages.wants_pad(&view) || self.closing.wants_pad();
-        self.pad.ui(&view, self.pages.pad_room(&view, content), typing);
-        self.draw_frame(&regions, &view, &asked, &mut out);
+        if let Some(place) = &zoomed {
+            self.draw_zoom_strip(&outer, place, &asked, typing, &mut out);
+        }
+        let pad_room =
+            zoomed.map_or_else(|| self.pages.pad_room(&view, content), |place| screen_zoom::pad_room(&place));
+        self.pad.ui(&view, pad_room, typing);
+        self.draw_frame(&regions, (&view, &outer), &asked, &mut out);
         if out.iter().any(|command| matches!(command, Command::OpenPage(_) | Command::ShowCoordinates(_))) {
             self.page_map.close();
         }
         if self.brightness < *BRIGHTNESS.end() {
-            ui.painter().rect_filled(ui.max_rect(), 0.0, theme::dimming_overlay(self.brightness));
+            display.painter().rect_filled(display.max_rect(), 0.0, theme::dimming_overlay(self.brightness));
         }
         self.presses.end_frame(ui, &mut out);
         for command in &mut out {
@@ -272,6 +292,7 @@ impl Hmi {
         let FrameScratch { theme, clock, favourites, languages, entry } = frame;
         let (painter, blink) = (ui.painter().clone(), blink_phase(snapshot.now));
         let Self { lang, has_language_faults, light, brightness, .. } = *self;
+        let zoom = self.zoom.percent();
         View {
             ui,
             painter,
@@ -282,6 +303,7 @@ impl Hmi {
             theme,
             light,
             brightness,
+            zoom,
             favourites,
             clock,
             blink,
@@ -300,11 +322,7 @@ impl Hmi {
             self.swipe.forget();
             self.pages.open(view);
         }
-        match (self.pages.page(snapshot.page).picture(snapshot), &self.picture) {
-            (Some(wanted), Some((shown, light, _))) if Arc::ptr_eq(wanted, shown) && *light == self.light => {}
-            (Some(wanted), _) => self.picture = load_picture(ui.ctx(), wanted, self.light),
-            (None, _) => self.picture = None,
-        }
+        self.picture.follow(ui.ctx(), self.pages.page(snapshot.page).picture(snapshot), self.light);
         let now = ui.input(|input| input.time);
         self.hint.take_if(|(_, since)| now - *since >= HINT_SECONDS);
     }
@@ -368,6 +386,7 @@ impl Hmi {
         } else {
             self.draw_page(content, view, asked, out);
         }
+        let content = content.intersect(view.ui.clip_rect());
         self.follow_swipe(view, content, out);
         self.fade(view, content);
         self.explanation.ui(view, content);
@@ -377,8 +396,7 @@ impl Hmi {
         if !typed.edits.is_empty() {
             self.hint = None;
         }
-        let texture = self.picture.as_ref().map(|(_, _, texture)| texture.id());
-        let commands = self.pages.ui(rect, view, typed, texture);
+        let commands = self.pages.ui(rect, view, typed, self.picture.texture());
         self.follow_settings(&commands);
         out.extend(commands);
     }
@@ -410,17 +428,40 @@ impl Hmi {
                 Command::Page(PageCommand::SetLang(lang)) => self.lang = *lang,
                 Command::Page(PageCommand::SetLightTheme(light)) => self.set_light(*light),
                 Command::Page(PageCommand::SetBrightness(percent)) => self.set_brightness(*percent),
+                Command::Page(PageCommand::SetZoom(percent)) => self.set_zoom(*percent),
                 Command::Page(PageCommand::SetFavourites(favourites)) => self.set_favourites(favourites.clone()),
                 _ => {}
             }
         }
     }
 
-    fn draw_frame(&mut self, regions: &Regions, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
+    /// What is beside the zoomed part, and where the part moves.
+    fn draw_zoom_strip(
+        &mut self,
+        view: &View<'_>,
+        place: &ZoomedScreen,
+        asked: &KeyboardInput,
+        typing: bool,
+        out: &mut Vec<Command>,
+    ) {
+        if let Some(reason) = self.zoom.strip(view, place, &mut self.presses, out) {
+            self.show_hint(view.ui, reason);
+        }
+        self.zoom.step(place, asked.zoom_steps);
+        self.zoom.follow(view, place, self.is_page_covered(), typing);
+    }
+
+    fn draw_frame(
+        &mut self,
+        regions: &Regions,
+        (view, outer): (&View<'_>, &View<'_>),
+        asked: &KeyboardInput,
+        out: &mut Vec<Command>,
+    ) {
         let header = page_frame::header(view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
         let of_page = self.pages.page(view.snapshot.page).message(view.lang).filter(|_| !self.is_page_covered());
-        let message = page_frame::message_line(view, regions.message, hint, of_page.as_deref());
+        let message = page_frame::message_line(outer, regions.message, hint, of_page.as_deref());
         let status = page_frame::status_line(view, regions.status);
         match header.or(message).or(status) {
             Some(FrameTouch::Help) => self.toggle_help(view),
@@ -534,17 +575,4 @@ impl Hmi {
             self.toggle_help(view);
         }
     }
-}
-
-fn load_picture(
-    ctx: &egui::Context,
-    picture: &Arc<Picture>,
-    light: bool,
-) -> Option<(Arc<Picture>, bool, TextureHandle)> {
-    let mut rgb = image::load_from_memory_with_format(&picture.0, image::ImageFormat::Bmp).ok()?.into_rgb8();
-    if light {
-        theme::for_light_theme(&mut rgb);
-    }
-    let image = ColorImage::from_rgb([rgb.width() as usize, rgb.height() as usize], &rgb);
-    Some((Arc::clone(picture), light, ctx.load_texture("page picture", image, TextureOptions::LINEAR)))
 }

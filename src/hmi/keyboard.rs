@@ -186,6 +186,8 @@ pub struct KeyboardInput {
     pub scroll_pages: i32,
     /// Detents of the handwheel.
     pub handwheel_detents: i32,
+    /// Steps by which the zoomed part moves: right and down are positive.
+    pub zoom_steps: egui::Vec2,
 }
 
 /// Reads the keyboard of this frame. `words`: a page takes text and nothing runs, so the space bar types a space.
@@ -210,7 +212,10 @@ pub fn read(ui: &Ui, machine: crate::defs::fitted::Fitted, words: bool) -> Keybo
                     Some(_) => {}
                     None if modifiers.ctrl && *key == egui::Key::F6 => asked.page_map = true,
                     None if modifiers.ctrl && !modifiers.alt => asked.ctrl_keys.push(*key),
-                    None if modifiers.alt => asked.handwheel_detents += detent_of(*key),
+                    None if modifiers.alt => {
+                        asked.handwheel_detents += detent_of(*key);
+                        asked.zoom_steps += step_of(*key);
+                    }
                     None if !modified => asked.add_unmodified(*key, modifiers.shift),
                     None => {}
                 }
@@ -236,6 +241,17 @@ const fn detent_of(key: egui::Key) -> i32 {
         egui::Key::Comma => -1,
         egui::Key::Period => 1,
         _ => 0,
+    }
+}
+
+/// Alt with a cursor key moves the zoomed part by a step.
+const fn step_of(key: egui::Key) -> egui::Vec2 {
+    match key {
+        egui::Key::ArrowLeft => egui::vec2(-1.0, 0.0),
+        egui::Key::ArrowRight => egui::vec2(1.0, 0.0),
+        egui::Key::ArrowUp => egui::vec2(0.0, -1.0),
+        egui::Key::ArrowDown => egui::vec2(0.0, 1.0),
+        _ => egui::Vec2::ZERO,
     }
 }
 

@@ -54,6 +54,8 @@ const KEYS: [PadKey; 15] = [
 const KEY: Vec2 = vec2(61.0, 55.0);
 const KEY_GAP: f32 = 3.0;
 const MARGIN: f32 = 5.0;
+/// Height of the wide form, points.
+pub const HEIGHT: f32 = 4.0 * KEY.y + 2.0 * MARGIN - KEY_GAP;
 
 /// The two forms of the pad: an index into [`PadKey::cells`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,7 +144,7 @@ fn free_place(last: Option<Rect>, room: Rect, entry: Option<Rect>) -> Rect {
 }
 
 /// The whole area takes touches: nothing beneath can be pressed through a gap.
-fn cover(view: &View<'_>, rect: Rect, id: impl Hash + Debug) {
+pub fn cover(view: &View<'_>, rect: Rect, id: impl Hash + Debug) {
     view.ui.interact(rect, Id::unique(id), Sense::CLICK | Sense::DRAG);
 }
 

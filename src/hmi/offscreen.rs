@@ -55,6 +55,11 @@ impl OffscreenContext {
         &self.ctx
     }
 
+    /// Shows everything so much larger than the size of the display asks for.
+    pub fn zoom(&mut self, factor: f32) {
+        self.scale = factor * theme::scale(vec2(self.size.0 as f32, self.size.1 as f32));
+    }
+
     /// Runs one frame, 1/60 s after the last.
     pub fn frame(&mut self, events: Vec<egui::Event>, ui: impl FnMut(&mut Ui)) {
         let logical = vec2(self.size.0 as f32, self.size.1 as f32) / self.scale;
@@ -112,6 +117,7 @@ impl OffscreenHmi {
 
     /// Runs one frame, 1/60 s after the last; returns its commands.
     pub fn frame(&mut self, snapshot: &Snapshot) -> Vec<crate::link::Command> {
+        self.screen.zoom(self.hmi.zoom());
         let hmi = &mut self.hmi;
         let mut commands = Vec::new();
         self.screen.frame(std::mem::take(&mut self.events), |ui| commands.extend(hmi.ui(ui, snapshot)));

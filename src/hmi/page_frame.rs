@@ -177,7 +177,12 @@ pub fn message_line(view: &View<'_>, rect: Rect, hint: Option<&str>, of_page: Op
     if let Some((words, colour)) = message(view, hint, of_page) {
         let mark = Rect::from_min_size(rect.min + vec2(0.0, 1.0), vec2(4.0, rect.height() - 1.0));
         view.painter.rect_filled(mark, 0.0, colour);
-        view.fit_left(rect.shrink2(vec2(theme::PAD, 2.0)), &words, theme::LABEL, colour);
+        let room = rect.shrink2(vec2(theme::PAD, 2.0));
+        if rect.height() < theme::MESSAGE_OF_TWO_LINES {
+            view.fit_left(room, &words, theme::LABEL, colour);
+        } else {
+            view.text_rows(room, &words, theme::LABEL, colour, 2);
+        }
     }
     if view.snapshot.alarms.is_empty() {
         return None;

@@ -16,6 +16,8 @@ const FONT_NAME: &str = "NotoSansSC-GBK";
 pub const HEADER: f32 = 46.0;
 /// Height of the message line.
 pub const MESSAGE: f32 = 32.0;
+/// Its height below a zoomed part, which is too narrow for one line.
+pub const MESSAGE_OF_TWO_LINES: f32 = 48.0;
 /// Height of the input line of pages that take numbers.
 pub const INPUT: f32 = 36.0;
 /// Height of the status line.

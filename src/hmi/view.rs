@@ -46,13 +46,15 @@ pub struct View<'a> {
     pub light: bool,
     /// Brightness of the picture, percent.
     pub brightness: u8,
+    /// Size of the screen, percent.
+    pub zoom: u16,
     /// What the home page keeps.
     pub favourites: &'a [Favourite],
     /// Time of day as shown.
     pub clock: &'a str,
     /// The lit half of the 1 Hz blink.
     pub blink: bool,
-    /// The framed field, as far as the frame is drawn: the numeric pad stays beside it.
+    /// The framed field or the open dialog, as far as it is drawn: the numeric pad stays beside it, a zoomed screen shows it.
     pub entry: &'a Cell<Option<Rect>>,
 }
 
@@ -315,6 +317,7 @@ impl View<'_> {
         self.veil(page, name);
         let card = Rect::from_center_size(page.center(), size.min(page.size() - vec2(24.0, 12.0)));
         self.filled_card(card, self.theme.surface, line);
+        self.entry.set(Some(card));
         card
     }
 

@@ -176,10 +176,11 @@ impl Window {
         }
     }
 
-    /// Scales everything with the display size (H1).
-    fn apply_scale(ctx: &egui::Context) {
+    /// Scales everything with the display size (H1) and the size that is set.
+    fn apply_scale(&self, ctx: &egui::Context) {
         let now = ctx.pixels_per_point();
-        let wanted = theme::scale(ctx.viewport_rect().size() * now);
+        let zoom = self.screen.lock().unwrap_or_else(PoisonError::into_inner).hmi.zoom();
+        let wanted = zoom * theme::scale(ctx.viewport_rect().size() * now);
         if (wanted - now).abs() > 0.01 {
             ctx.set_pixels_per_point(wanted);
         }
@@ -199,7 +200,7 @@ impl eframe::App for Window {
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.fill_monitor(ui.ctx());
-        Self::apply_scale(ui.ctx());
+        self.apply_scale(ui.ctx());
         let mut core = self.core.lock().unwrap_or_else(PoisonError::into_inner);
         // Reading the newest snapshot renews its age.
         core.newest();

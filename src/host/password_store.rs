@@ -162,6 +162,9 @@ impl PasswordStore {
             }
             SettingsRequest::SaveLightTheme(light) => self.update_settings(|settings| settings.light = Some(*light))?,
             SettingsRequest::SaveBrightness(percent) => self.update_settings(|to| to.brightness = Some(*percent))?,
+            SettingsRequest::SaveZoom(percent) => {
+                self.update_settings(|to| to.zoom = Some(*percent))?;
+            }
             SettingsRequest::SaveSerialPort(port) => self.update_settings(|to| to.serial = Some(port.clone()))?,
             SettingsRequest::SaveFavourites(kept) => {
                 self.update_settings(|to| to.favourites = kept.iter().map(ToString::to_string).collect())?;

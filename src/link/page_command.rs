@@ -99,6 +99,8 @@ impl fmt::Debug for Secret {
 /// Number of digits of a new password; digits only, because the numeric pad must be able to enter it.
 pub const PASSWORD_LENGTH: std::ops::RangeInclusive<usize> = 4..=16;
 
+/// Sizes of the screen, percent; at more than the first the display shows a part of it.
+pub const ZOOMS: [u16; 3] = [100, 150, 200];
 /// Range of the picture brightness, percent; the darkest picture is still readable.
 pub const BRIGHTNESS: std::ops::RangeInclusive<u8> = 70..=100;
 /// Step of the brightness, percent.
@@ -154,6 +156,8 @@ pub enum PageCommand {
     SetLightTheme(bool),
     /// Sets the picture brightness, percent, now and at the next start.
     SetBrightness(u8),
+    /// Sets the size of the screen, percent, one of [`ZOOMS`], now and at the next start.
+    SetZoom(u16),
     /// Selects the RS232 port, from now on.
     SetSerialPort(String),
     /// Sets what the home page keeps, now and at the next start.
@@ -199,6 +203,8 @@ pub enum SettingsRequest {
     SaveLightTheme(bool),
     /// Saves the brightness for the next start.
     SaveBrightness(u8),
+    /// Saves the size of the screen for the next start.
+    SaveZoom(u16),
     /// Saves the RS232 port.
     SaveSerialPort(String),
     /// Saves what the home page keeps.

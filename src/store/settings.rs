@@ -24,6 +24,8 @@ pub struct StoredSettings {
     pub light: Option<bool>,
     /// Brightness of the screen, percent.
     pub brightness: Option<u8>,
+    /// Size of the screen, percent.
+    pub zoom: Option<u16>,
     /// The RS232 port: `/dev/ttyS0`, `COM1`.
     pub serial: Option<String>,
     /// What the operator keeps on the home page, each in words.

@@ -46,6 +46,7 @@ mod repaint;
 mod scene;
 mod scope;
 mod screen;
+mod screen_zoom;
 mod screw;
 mod service;
 mod shift;

@@ -21,7 +21,7 @@ use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
 use kt830::store::{StoredLang, StoredSettings};
 
 /// A rig whose data stay in a folder.
-fn kept(folder: &Path, kind: Kind) -> HeadlessHost {
+pub fn kept(folder: &Path, kind: Kind) -> HeadlessHost {
     let (store, found) = RetainedStore::open(folder, kind).unwrap();
     let setup =
         HostSetup { kind, retained: found.retained, store: Some(store), folders: crate::stories::folders(), seed: 1 };
@@ -221,15 +221,15 @@ fn b6_a_new_password_is_typed_twice_alike_and_the_old_one_must_fit() {
 #[test]
 fn b6_the_settings_are_reached_by_keyboard() {
     let mut bench = Bench::new(crate::stories::rig(), Page::Settings);
-    // Six fields of the clock, languages, colours, brightness, switches, kinds, levels: the second behind the clock is
+    // Six fields of the clock, languages, colours, brightness, sizes, switches, kinds, levels: the second behind the clock is
     // English.
     for _ in 0..6 + 2 {
         bench.press(egui::Key::ArrowDown);
     }
     bench.press(egui::Key::Enter);
     assert!(bench.screen.query_by_label("USER change-user").is_some());
-    // Dark, light, darker, brighter, four switches, the kinds, the programs' key, then the user's level.
-    for _ in 0..2 + 2 + 4 + Kind::ALL.len() + 2 {
+    // Dark, light, darker, brighter, three sizes, four switches, the kinds, the programs' key, then the user's level.
+    for _ in 0..2 + 2 + 3 + 4 + Kind::ALL.len() + 2 {
         bench.press(egui::Key::ArrowDown);
     }
     bench.press(egui::Key::Enter);

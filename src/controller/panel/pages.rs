@@ -17,7 +17,7 @@ use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::internal_signal::{InternalSignal, InternalSignalSet};
 use crate::link::page_command::{
     BRIGHTNESS, DataChoice, KeptState, PASSWORD_LENGTH, PageCommand, PasswordCheck, PasswordScope, SettingsRequest,
-    StorageAnswer,
+    StorageAnswer, ZOOMS,
 };
 use crate::link::snapshot::{RunState, Snapshot};
 use crate::link::terminals::TerminalView;
@@ -83,6 +83,10 @@ impl Panel {
             PageCommand::SetNextKind(kind) => save(SettingsRequest::SaveKind(*kind)),
             PageCommand::SetLang(lang) => save(SettingsRequest::SaveLang(*lang)),
             PageCommand::SetLightTheme(light) => save(SettingsRequest::SaveLightTheme(*light)),
+            PageCommand::SetZoom(percent) => {
+                let known = ZOOMS.contains(percent);
+                save(SettingsRequest::SaveZoom(if known { *percent } else { ZOOMS[0] }));
+            }
             PageCommand::SetBrightness(percent) => {
                 save(SettingsRequest::SaveBrightness((*percent).clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end())));
             }

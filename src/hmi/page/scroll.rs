@@ -111,7 +111,7 @@ impl Scroll {
             return;
         }
         let height = (f64::from(rect.height()) * visible / all).max(24.0) as f32;
-        let room = f64::from(rect.height() - height);
+        let room = f64::from((rect.height() - height).max(0.0));
         let top = rect.min.y + (self.top / (all - visible).max(1.0) * room).clamp(0.0, room) as f32;
         let bar = Rect::from_min_size(egui::pos2(rect.max.x - 5.0, top), vec2(4.0, height));
         view.painter.rect_filled(bar, theme::RADIUS / 2.0, view.theme.muted);

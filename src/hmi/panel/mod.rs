@@ -167,7 +167,8 @@ pub fn key_ui(view: &View<'_>, key: Key, rect: Rect, presses: &mut KeyPresses, o
         presses.explain_long(view.ui.input(|input| input.time), key);
     }
     let before = out.len();
-    let pressed = presses.track_touch(view.ui, &response, rect, key, out) || presses.is_down(key);
+    let touched = rect.intersect(view.ui.clip_rect());
+    let pressed = presses.track_touch(view.ui, &response, touched, key, out) || presses.is_down(key);
     let face = KeycapState { on: state.lamp, pending: state.pending, blocked: state.blocked.is_some(), pressed };
     keycap::paint(view, rect, Keycap { key, state: face, shapes: key_shapes(view, key) });
     if start_strip::marked_key(view.snapshot) == Some(key) {

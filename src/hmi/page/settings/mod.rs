@@ -11,7 +11,7 @@ use crate::defs::param::{self, AccessLevel, BitParam};
 use crate::defs::text::Text;
 use crate::hmi::{Area, EditKey, FieldEditor, KeyboardFocus, Login, PageKey, View, theme};
 use crate::link::Command;
-use crate::link::page_command::{BRIGHTNESS, BRIGHTNESS_STEP, PageCommand, PasswordScope};
+use crate::link::page_command::{BRIGHTNESS, BRIGHTNESS_STEP, PageCommand, PasswordScope, ZOOMS};
 use clock::ClockGroup;
 
 /// Least and greatest height of a key of this page; heights of a group's title, its edge and its note.
@@ -20,7 +20,7 @@ const TITLE_HEIGHT: f32 = 30.0;
 const GROUP_EDGE: f32 = 10.0;
 const NOTE_HEIGHT: f32 = 24.0;
 /// Groups of each column: rows of keys, and whether a note is below.
-const LEFT_GROUPS: [(f32, bool); 3] = [(1.0, false), (2.0, false), (2.0, false)];
+const LEFT_GROUPS: [(f32, bool); 3] = [(1.0, false), (3.0, false), (2.0, false)];
 const RIGHT_GROUPS: [(f32, bool); 3] = [(2.0, true), (2.0, true), (1.0, false)];
 /// Cells of the row of colours and brightness.
 const LOOKS: usize = 5;
@@ -129,10 +129,10 @@ impl PageUi for SettingsPage {
         let (page, input) = input_line::split(rect);
         let inside = page.shrink(theme::PAD);
         let half = (inside.width() - theme::PAD) / 2.0;
-        // The right column is the higher one; the left column gets the same height.
-        let rows: f32 = RIGHT_GROUPS.iter().map(|(rows, _)| rows).sum();
-        let key = ((inside.height() - column_height(RIGHT_GROUPS, 0.0)) / rows).clamp(KEY_HEIGHTS.0, KEY_HEIGHTS.1);
-        let area = inside.band(0.0, column_height(RIGHT_GROUPS, key));
+        // The left column is the higher one; the right column gets the same height.
+        let rows: f32 = LEFT_GROUPS.iter().map(|(rows, _)| rows).sum();
+        let key = ((inside.height() - column_height(LEFT_GROUPS, 0.0)) / rows).clamp(KEY_HEIGHTS.0, KEY_HEIGHTS.1);
+        let area = inside.band(0.0, column_height(LEFT_GROUPS, key));
         let [clock, look, switches] = column(area.split_left(half).0, LEFT_GROUPS, key);
         let [kind, level, passwords] = column(area.trim_left(half + theme::PAD), RIGHT_GROUPS, key);
         self.clock.ui(&SettingsGroup::new(view, clock, key, view.text("日期、时间", "date and time")), &mut self.walk);
@@ -186,6 +186,16 @@ impl SettingsPage {
         for (column, id, label, wanted) in steps {
             if self.walk.button(view, row.cell(column, LOOKS), PageKey::new(id, label)) && wanted != view.brightness {
                 out.push(Command::Page(PageCommand::SetBrightness(wanted)));
+            }
+        }
+        let sizes = ZOOMS.map(|percent| (percent, format!("size-{percent}"), format!("{percent} %")));
+        let place = group.row(2);
+        let label = place.cell(0, sizes.len() + 1);
+        view.fit_left(label, view.text("画面大小", "size of all"), theme::LABEL, view.theme.text);
+        for (column, (percent, id, label)) in sizes.iter().enumerate() {
+            let key = PageKey::new(id, label).on(view.zoom == *percent);
+            if self.walk.button(view, place.cell(column + 1, sizes.len() + 1), key) {
+                out.push(Command::Page(PageCommand::SetZoom(*percent)));
             }
         }
     }
