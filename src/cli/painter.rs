@@ -12,7 +12,8 @@ pub fn painter(shared: &SharedArgs) -> Option<Painter> {
     /// Size of the pictures.
     const SIZE: (u32, u32) = (1_024, 768);
 
-    let (mut stage, shared) = (None, shared.clone());
+    // A spectator cannot move the part of a zoomed screen.
+    let (mut stage, shared) = (None, SharedArgs { zoom: None, ..shared.clone() });
     Some(Box::new(move |snapshot| {
         let stage = stage.get_or_insert_with(|| OffscreenHmi::new(setup::screen(&shared), SIZE));
         // What the page asks the control for when it opens is not sent: this is a view. It is complete in its second frame.

@@ -130,8 +130,8 @@ pages! {
         "当前报警的原因和处理，以及最近 1000 条历史，断电保留。", "The active alarms with cause and remedy, and the last 1000, retained at power-off.",
         "排除原因后按复位；会自动消失的不用复位。触摸一行（或 ↑ ↓ 输入）：历史中显示原因、处理和清除方式，再按 ? 打开它的帮助。修改 # 打开不对的数值。", "Remove the cause, then RESET; some clear automatically. Touch a row (or ↑ ↓ INPUT): the history shows its cause and remedy; ? opens its help. EDIT # opens the value that is wrong.";
     Settings = "settings", ANY, "设置", "settings", row 3, key 3 4 "设置" "SETTINGS",
-        "时钟（日期、时间）、语言、颜色、亮度、画面大小、开关、密码、机型。", "The clock (date and time), language, colours, brightness, size of all, switches, passwords, kind of machine.",
-        "密码每级一个；机型下次开机生效。画面放大后，点缩图看别处。", "One password per level; the kind takes effect at the next power-on. Magnified, touch the small picture to look elsewhere.";
+        "时钟（日期、时间）、语言、颜色、亮度、画面大小、开关、密码、机型。", "The clock (date and time), language, colours, brightness, screen size, switches, passwords, kind of machine.",
+        "密码每级一个；机型下次开机生效。画面放大后，点缩略图看别处。", "One password per level; the kind takes effect at the next power-on. On an enlarged screen, touch the small picture to see another part.";
     Bus = "bus", ANY, "总线", "field bus", row 4, key 4 2 "总线" "BUS",
         "真实机床的 EtherCAT 总线：每个设备的状态，驱动器，丢失的报文，周期和唤醒时间。", "The EtherCAT network of a real machine: state of each device and drive, lost frames, times of cycle and wake-up.",
         "总线故障（报警 402）时看哪个设备不在 OP。接好后按复位。翻页键看其余设备。模拟机床没有总线。", "After a bus fault (alarm 402) look which device is not in OP; RESET when it is back. PAGE keys show more devices. A simulated machine has no bus.";

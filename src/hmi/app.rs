@@ -1,7 +1,7 @@
 //! Draws one frame of the screen: layout, page frame, page, panel, input. It keeps only UI state (cursor, edit text,
 //! scroll positions) and reads the machine state only from the snapshot.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Rect, Ui};
@@ -15,11 +15,13 @@ use super::page_frame::{self, FrameTouch, SoftKeyPress};
 use super::page_map::PageMap;
 use super::page_picture::PagePicture;
 use super::panel::OperatorPanel;
-use super::screen_zoom::{self, ScreenZoom, ZoomedScreen};
+use super::screen_zoom::{self, ScreenZoom, ZoomedPage, ZoomedScreen};
 use super::swipe::{Swipe, SwipeTurn};
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
-use super::{EditKey, KeyboardInput, View, aside, blink_phase, clock_time, demo_band, file_command, keyboard};
+use super::{
+    EditKey, FieldEditor, KeyboardInput, View, aside, blink_phase, clock_time, demo_band, file_command, keyboard,
+};
 use crate::defs::favourite::Favourite;
 use crate::defs::key::Key;
 use crate::defs::kind::Kind;
@@ -33,7 +35,7 @@ use crate::hmi::page::program::ProgramPage;
 use crate::hmi::page::{PageSet, PageUi};
 use crate::link::files::{FileRequest, Requester};
 use crate::link::media::Screenshot;
-use crate::link::page_command::{BRIGHTNESS, PageCommand};
+use crate::link::page_command::{BRIGHTNESS, PageCommand, ZOOMS};
 use crate::link::{Command, Snapshot};
 
 /// How long a local refusal stays in the message line, s.
@@ -78,6 +80,17 @@ pub struct Hmi {
     screenshots: Arc<Mutex<Vec<Arc<ColorImage>>>>,
 }
 
+/// Where a frame draws.
+struct FramePlaces<'a> {
+    view: &'a View<'a>,
+    /// The display; a zoomed screen is clipped to its part.
+    outer: &'a View<'a>,
+    regions: &'a Regions,
+    zoomed: Option<&'a ZoomedScreen>,
+    /// The page.
+    content: Rect,
+}
+
 /// What lives for one frame.
 struct FrameScratch {
     theme: Theme,
@@ -85,6 +98,7 @@ struct FrameScratch {
     favourites: Arc<[Favourite]>,
     languages: Arc<[Lang]>,
     entry: Cell<Option<Rect>>,
+    prompt: RefCell<String>,
 }
 
 impl Hmi {
@@ -259,13 +273,9 @@ impl Hmi {
         out.extend(demo_band::takes_over(&view).then_some(Command::TakeOver));
         self.closing.ui(content, &view, &to_closing, &mut out);
         let typing = !self.is_page_covered() && self.pages.wants_pad(&view) || self.closing.wants_pad();
-        if let Some(place) = &zoomed {
-            self.draw_zoom_strip(&outer, place, &asked, typing, &mut out);
-        }
-        let pad_room =
-            zoomed.map_or_else(|| self.pages.pad_room(&view, content), |place| screen_zoom::pad_room(&place));
-        self.pad.ui(&view, pad_room, typing);
-        self.draw_frame(&regions, (&view, &outer), &asked, &mut out);
+        let places = FramePlaces { view: &view, outer: &outer, regions: &regions, zoomed: zoomed.as_ref(), content };
+        self.draw_frame(&places, &asked, typing, &mut out);
+        self.draw_pad(&places, &asked, typing, &mut out);
         if out.iter().any(|command| matches!(command, Command::OpenPage(_) | Command::ShowCoordinates(_))) {
             self.page_map.close();
         }
@@ -284,12 +294,12 @@ impl Hmi {
     fn scratch(&self, snapshot: &Snapshot) -> FrameScratch {
         let (favourites, languages) = (Arc::clone(&self.favourites), Arc::clone(&self.languages));
         let (theme, clock) = (self.theme, clock_time(snapshot));
-        FrameScratch { theme, clock, favourites, languages, entry: Cell::new(None) }
+        FrameScratch { theme, clock, favourites, languages, entry: Cell::new(None), prompt: RefCell::default() }
     }
 
     /// What the pages draw from in this frame.
     fn view<'a>(&self, ui: &'a Ui, snapshot: &'a Snapshot, frame: &'a FrameScratch) -> View<'a> {
-        let FrameScratch { theme, clock, favourites, languages, entry } = frame;
+        let FrameScratch { theme, clock, favourites, languages, entry, prompt } = frame;
         let (painter, blink) = (ui.painter().clone(), blink_phase(snapshot.now));
         let Self { lang, has_language_faults, light, brightness, .. } = *self;
         let zoom = self.zoom.percent();
@@ -308,6 +318,7 @@ impl Hmi {
             clock,
             blink,
             entry,
+            prompt,
         }
     }
 
@@ -386,10 +397,10 @@ impl Hmi {
         } else {
             self.draw_page(content, view, asked, out);
         }
-        let content = content.intersect(view.ui.clip_rect());
-        self.follow_swipe(view, content, out);
-        self.fade(view, content);
-        self.explanation.ui(view, content);
+        let part = view.ui.clip_rect();
+        self.follow_swipe(view, content.intersect(part), out);
+        self.fade(view, content.intersect(part));
+        self.explanation.ui(view, if view.zoom == ZOOMS[0] { content } else { part });
     }
 
     fn draw_page(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, out: &mut Vec<Command>) {
@@ -435,29 +446,32 @@ impl Hmi {
         }
     }
 
-    /// What is beside the zoomed part, and where the part moves.
-    fn draw_zoom_strip(
-        &mut self,
-        view: &View<'_>,
-        place: &ZoomedScreen,
-        asked: &KeyboardInput,
-        typing: bool,
-        out: &mut Vec<Command>,
-    ) {
-        if let Some(reason) = self.zoom.strip(view, place, &mut self.presses, out) {
-            self.show_hint(view.ui, reason);
+    /// The numeric pad, and what is beside a zoomed part.
+    fn draw_pad(&mut self, places: &FramePlaces<'_>, asked: &KeyboardInput, typing: bool, out: &mut Vec<Command>) {
+        let FramePlaces { view, outer, regions, zoomed, content } = *places;
+        let (area, pad_room) = match zoomed {
+            Some(place) => (place.part, place.part.shrink(theme::GAP)),
+            None => (regions.header.union(regions.soft), self.pages.pad_room(view, content)),
+        };
+        if let Some(place) = zoomed {
+            if let Some(reason) = self.zoom.strip(outer, place, &mut self.presses, out) {
+                self.show_hint(view.ui, reason);
+            }
+            self.zoom.step(place, asked.zoom_steps);
+            let (is_covered, has_keys) = (self.is_page_covered(), !asked.edits.is_empty() || !asked.text.is_empty());
+            self.zoom.follow(outer, place, ZoomedPage { is_covered, is_typing: typing, has_keys });
         }
-        self.zoom.step(place, asked.zoom_steps);
-        self.zoom.follow(view, place, self.is_page_covered(), typing);
+        self.zoom.cover(outer, area, false);
+        self.pad.ui(view, pad_room, typing);
+        self.zoom.cover(outer, area, true);
     }
 
-    fn draw_frame(
-        &mut self,
-        regions: &Regions,
-        (view, outer): (&View<'_>, &View<'_>),
-        asked: &KeyboardInput,
-        out: &mut Vec<Command>,
-    ) {
+    fn draw_frame(&mut self, places: &FramePlaces<'_>, asked: &KeyboardInput, typing: bool, out: &mut Vec<Command>) {
+        let FramePlaces { view, outer, regions, .. } = *places;
+        let has_typed = |typing: &FieldEditor| !typing.text.is_empty() || typing.refused.is_some();
+        if !typing && !self.pages.page(view.snapshot.page).typing().is_some_and(has_typed) {
+            view.prompt.take();
+        }
         let header = page_frame::header(view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
         let of_page = self.pages.page(view.snapshot.page).message(view.lang).filter(|_| !self.is_page_covered());

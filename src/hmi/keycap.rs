@@ -113,7 +113,7 @@ pub fn paint_body(view: &View<'_>, rect: Rect, face: KeycapState) {
     let theme = view.theme;
     if face.pressed {
         view.filled_card(rect, theme.background, theme.focus);
-        view.frame(rect.shrink(1.0), theme.line);
+        view.outline(rect.shrink(1.0), theme.line);
     } else {
         view.filled_card(rect, if face.blocked { theme.background } else { theme.raised }, theme.line);
     }

@@ -159,6 +159,8 @@ impl PasswordDialog {
 /// Draws the dialog. Returns the key that was touched: 取消 or 确认.
 fn draw(rect: Rect, view: &View<'_>, talk: &PasswordDialog) -> Option<EditKey> {
     view.veil(rect, "login-veil");
+    let rect = rect.intersect(view.ui.clip_rect());
+    *view.prompt.borrow_mut() = talk.refused.unwrap_or(talk.prompt()).get(view.lang).to_owned();
     // In the upper part of the page: the numeric pad needs the lower one.
     let middle = rect.center_top() + vec2(0.0, 3.0 * theme::PAD + 118.0);
     let place = Rect::from_center_size(middle, vec2(440.0_f32.min(rect.width() - 24.0), 236.0));

@@ -55,7 +55,7 @@ impl OffscreenContext {
         &self.ctx
     }
 
-    /// Shows everything so much larger than the size of the display asks for.
+    /// Shows everything larger by a factor than the size of the display asks for.
     pub fn zoom(&mut self, factor: f32) {
         self.scale = factor * theme::scale(vec2(self.size.0 as f32, self.size.1 as f32));
     }

@@ -178,11 +178,16 @@ pub fn message_line(view: &View<'_>, rect: Rect, hint: Option<&str>, of_page: Op
         let mark = Rect::from_min_size(rect.min + vec2(0.0, 1.0), vec2(4.0, rect.height() - 1.0));
         view.painter.rect_filled(mark, 0.0, colour);
         let room = rect.shrink2(vec2(theme::PAD, 2.0));
-        if rect.height() < theme::MESSAGE_OF_TWO_LINES {
-            view.fit_left(room, &words, theme::LABEL, colour);
+        if rect.height() < theme::MESSAGE_OF_TWO_LINES || !view.prompt.borrow().is_empty() {
+            let height = room.height().min(theme::MESSAGE_OF_TWO_LINES / 2.0);
+            view.fit_left(room.split_top(height).0, &words, theme::LABEL, colour);
         } else {
             view.text_rows(room, &words, theme::LABEL, colour, 2);
         }
+    }
+    if rect.height() >= theme::MESSAGE_OF_TWO_LINES {
+        let room = rect.shrink2(vec2(theme::PAD, 2.0)).split_bottom(theme::MESSAGE_OF_TWO_LINES / 2.0).1;
+        view.fit_left(room, &view.prompt.borrow(), theme::LABEL, view.theme.text);
     }
     if view.snapshot.alarms.is_empty() {
         return None;

@@ -3,7 +3,7 @@
 //! Source: spec H1, H9; issue "the face", part 12.
 
 use egui::accesskit::Role;
-use egui::{Id, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, WidgetInfo, pos2, vec2};
+use egui::{Id, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, WidgetInfo, vec2};
 
 use super::key_press::KeyPresses;
 use super::layout::Regions;
@@ -23,14 +23,18 @@ const STRIP: f32 = 92.0;
 const LEAST: Vec2 = vec2(1_024.0, 768.0);
 /// The keys of the strip and their shares of its length, after the overview; the last is where it is on the panel.
 const KEYS: [(Key, f32); 4] =
-    [(Key::Reset, 0.15), (Key::CycleStart, 0.2), (Key::FeedHold, 0.2), (Key::EmergencyStop, 0.25)];
-const OVERVIEW_SHARE: f32 = 0.2;
+    [(Key::CycleStart, 0.19), (Key::FeedHold, 0.19), (Key::Reset, 0.15), (Key::EmergencyStop, 0.25)];
+const OVERVIEW_SHARE: f32 = 0.18;
+/// Share of the strip between cycle start and the keys that stop.
+const APART_SHARE: f32 = 0.04;
 /// Share of the part by which a key moves it.
 const STEP: f32 = 0.5;
-/// Rows of keys that the panel has no more, as a share of its height.
-const PANEL_GAIN: f32 = 0.14;
+/// Height of the rows of keys that the strip replaces, as a share of the panel.
+const REPLACED_SHARE: f32 = 0.14;
 /// Space around what is brought into view, points.
 const MARGIN: f32 = 12.0;
+/// Frames in which a page answers a touch or a key.
+const ANSWER_FRAMES: u8 = 3;
 
 /// Which part of the screen is shown, how large.
 #[derive(Debug)]
@@ -40,16 +44,41 @@ pub struct ScreenZoom {
     corner: Vec2,
     /// The page of the last frame, and whether something lies over it.
     page: Option<(Page, bool)>,
-    /// What was last brought into view, from the corner of the whole screen, and whether the numeric pad was open.
-    followed: Option<(Rect, bool)>,
-    /// When the part was last moved by itself, s.
-    moved_at: Option<f64>,
+    /// The chosen field of the last frame, from the corner of the whole screen, and whether it was typed.
+    chosen: Option<Rect>,
+    is_typing: bool,
+    /// Frames in which another field is brought into view.
+    answers: u8,
+    /// The size was changed since the last frame.
+    is_changed: bool,
+    /// When the part was last moved by itself, s, and whether the numeric pad was open then.
+    moved: Option<(f64, bool)>,
 }
 
 impl Default for ScreenZoom {
     fn default() -> Self {
-        Self { percent: ZOOMS[0], corner: Vec2::ZERO, page: None, followed: None, moved_at: None }
+        Self {
+            percent: ZOOMS[0],
+            corner: Vec2::ZERO,
+            page: None,
+            chosen: None,
+            is_typing: false,
+            answers: 0,
+            is_changed: false,
+            moved: None,
+        }
     }
+}
+
+/// What the page has in a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct ZoomedPage {
+    /// Something lies over it.
+    pub is_covered: bool,
+    /// A value is typed: the numeric pad is open.
+    pub is_typing: bool,
+    /// A key was typed for it.
+    pub has_keys: bool,
 }
 
 /// The display of one frame: places on it, points.
@@ -73,7 +102,7 @@ impl ZoomedScreen {
 
     /// The panel without the keys of the strip.
     fn panel(&self, machine: Fitted, regions: &Regions) -> PanelLayout {
-        let room = regions.panel.with_max_y(regions.panel.max.y + PANEL_GAIN * regions.panel.height());
+        let room = regions.panel.with_max_y(regions.panel.max.y + REPLACED_SHARE * regions.panel.height());
         let mut layout = panel_layout(machine, if regions.portrait { regions.panel } else { room }, regions.portrait);
         layout.keys.retain(|(key, _)| KEYS.iter().all(|(pinned, _)| pinned != key));
         layout
@@ -89,7 +118,7 @@ impl ScreenZoom {
     /// Shows the screen at a size of [`ZOOMS`]; another one changes nothing.
     pub fn set_percent(&mut self, percent: u16) {
         if ZOOMS.contains(&percent) && percent != self.percent {
-            *self = Self { percent, ..Self::default() };
+            *self = Self { percent, is_changed: true, ..Self::default() };
         }
     }
 
@@ -103,7 +132,7 @@ impl ScreenZoom {
         let (part, message) = rest.split_bottom(theme::MESSAGE_OF_TWO_LINES);
         let least = if is_portrait { vec2(LEAST.y, LEAST.x) } else { LEAST };
         let size = display.size().max(least);
-        self.corner = self.corner.clamp(Vec2::ZERO, (size - part.size()).max(Vec2::ZERO)).round();
+        self.corner = within(self.corner, size, part.size());
         Some(ZoomedScreen { whole: Rect::from_min_size(part.min - self.corner, size), part, message, strip })
     }
 
@@ -125,29 +154,26 @@ impl ScreenZoom {
         let edge = Stroke::new(theme::HAIRLINE, view.theme.line);
         view.painter.rect_stroke(strip, 0.0, edge, StrokeKind::Inside);
         let inside = strip.shrink(theme::GAP / 2.0);
-        let is_column = strip.height() > strip.width();
         let mut from = 0.0;
         let mut next = |share: f32| {
-            let (begin, end) = (from, from + share);
-            from = end;
-            let cut = |least: f32, most: f32, at: f32| least + (most - least) * at;
-            let cell = if is_column {
-                let (top, bottom) = (cut(inside.min.y, inside.max.y, begin), cut(inside.min.y, inside.max.y, end));
-                inside.with_min_y(top).with_max_y(bottom)
-            } else {
-                let (left, right) = (cut(inside.min.x, inside.max.x, begin), cut(inside.min.x, inside.max.x, end));
-                inside.with_min_x(left).with_max_x(right)
-            };
-            cell.shrink(theme::GAP / 2.0)
+            let cell = cell_of(inside, from, from + share).shrink(theme::GAP / 2.0);
+            from += share;
+            cell
         };
         self.overview(view, place, next(OVERVIEW_SHARE));
-        KEYS.iter().fold(None, |reason, (key, share)| reason.or(key_ui(view, *key, next(*share), presses, out)))
+        KEYS.iter().fold(None, |reason, (key, share)| {
+            let blocked = key_ui(view, *key, next(*share), presses, out);
+            if *key == Key::CycleStart {
+                next(APART_SHARE);
+            }
+            reason.or(blocked)
+        })
     }
 
     /// The whole screen in small, with the part in it: a touch moves the part there, and it follows the finger.
     fn overview(&mut self, view: &View<'_>, place: &ZoomedScreen, room: Rect) {
         let response = view.ui.interact(room, Id::unique("overview"), Sense::CLICK | Sense::DRAG);
-        let name = view.text("全屏缩图 overview", "the whole screen overview");
+        let name = view.text("全屏缩略图 overview", "the whole screen overview");
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         let size = place.whole.size();
         let scale = (room.width() / size.x).min(room.height() / size.y);
@@ -166,43 +192,89 @@ impl ScreenZoom {
         view.painter.rect_filled(part, 2.0, view.theme.glow);
         view.painter.rect_stroke(part, 2.0, Stroke::new(theme::FRAME, view.theme.focus), StrokeKind::Inside);
         let finger = view.finger().filter(|_| response.is_pointer_button_down_on() || response.clicked());
-        if let Some(at) = finger {
-            self.corner = (at - small.min) / scale - place.part.size() / 2.0;
+        if let Some(at) = finger.filter(|_| scale > 0.0) {
+            let wanted = within((at - small.min) / scale - place.part.size() / 2.0, size, place.part.size());
+            if wanted != self.corner {
+                self.corner = wanted;
+                view.ui.ctx().request_repaint();
+            }
+        }
+    }
+
+    /// Shows the upper left corner of a page that has come. After a touch or a key brings the field into view that it has
+    /// chosen, above the numeric pad; what the machine does moves nothing.
+    pub fn follow(&mut self, view: &View<'_>, place: &ZoomedScreen, page: ZoomedPage) {
+        let (now, is_down, clicks) =
+            view.ui.input(|input| (input.time, input.pointer.any_down(), input.pointer.any_click()));
+        let (before, was_typing) = (self.corner, self.is_typing);
+        let shown = Some((view.snapshot.page, page.is_covered));
+        if self.page != shown {
+            (self.page, self.corner) = (shown, Vec2::ZERO);
+            self.answers = ANSWER_FRAMES;
+        }
+        let touches = clicks && view.finger().is_some_and(|at| place.part.contains(at));
+        if touches || page.has_keys || page.is_typing != was_typing {
+            self.answers = ANSWER_FRAMES;
+        }
+        let chosen = view.entry.get().map(|entry| entry.translate(-place.whole.min.to_vec2()));
+        let is_other = match (chosen, self.chosen) {
+            (Some(now), Some(before)) => (now.min - before.min).length() > 1.0 || (now.max - before.max).length() > 1.0,
+            (now, before) => now.is_some() != before.is_some(),
+        };
+        if let Some(target) =
+            chosen.filter(|_| self.answers > 0 && !is_down && (is_other || page.is_typing != was_typing))
+        {
+            let pad = if page.is_typing { numeric_pad::HEIGHT } else { 0.0 };
+            let room = place.part.size() - vec2(0.0, pad.min(0.7 * place.part.height()));
+            let corner = vec2(
+                brought_into(self.corner.x, room.x, (target.min.x, target.max.x)),
+                brought_into(self.corner.y, room.y, (target.min.y, target.max.y)),
+            );
+            self.corner = within(corner, place.whole.size(), place.part.size());
+        }
+        if !is_down {
+            (self.chosen, self.is_typing) = (chosen, page.is_typing);
+            self.answers = self.answers.saturating_sub(1);
+        }
+        if self.corner != before {
+            self.moved = Some((now, was_typing));
+        }
+        if self.corner != before || self.answers > 0 {
             view.ui.ctx().request_repaint();
         }
     }
 
-    /// Shows the upper left corner of a page that has come, and what waits for an answer or an input when that changes; after
-    /// that the page takes no touch for a moment. The numeric pad keeps its place at the foot of the part.
-    pub fn follow(&mut self, view: &View<'_>, place: &ZoomedScreen, is_covered: bool, is_typing: bool) {
-        let (now, is_down) = view.ui.input(|input| (input.time, input.pointer.any_down()));
-        if let Some(moved) = self.moved_at.filter(|moved| now - moved < numeric_pad::COVERED_S) {
-            numeric_pad::cover(view, place.part, ("moved", moved.to_bits()));
+    /// Takes the touches of what has just come under the finger: called below the numeric pad and above it. A pad that was
+    /// open before keeps its keys where they are and goes on taking touches.
+    pub fn cover(&mut self, view: &View<'_>, area: Rect, is_above_pad: bool) {
+        let now = view.ui.input(|input| input.time);
+        if std::mem::take(&mut self.is_changed) {
+            self.moved = Some((now, false));
         }
-        if is_down {
+        let Some((since, pad_was_open)) = self.moved.filter(|(since, _)| now - since < numeric_pad::COVERED_S) else {
             return;
+        };
+        if is_above_pad != pad_was_open {
+            numeric_pad::cover(view, area, ("moved", since.to_bits()));
+            // The cover of the last frame would take the next touch.
+            let rest = numeric_pad::COVERED_S - (now - since);
+            view.ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(rest + 0.02));
         }
-        let before = self.corner;
-        let page = Some((view.snapshot.page, is_covered));
-        if self.page.replace((view.snapshot.page, is_covered)) != page {
-            (self.corner, self.followed) = (Vec2::ZERO, None);
-        }
-        let wanted = view.entry.get().map(|entry| (entry.translate(-place.whole.min.to_vec2()), is_typing));
-        if wanted != self.followed {
-            self.followed = wanted;
-            let pad = if is_typing { numeric_pad::HEIGHT } else { 0.0 };
-            if let Some((target, _)) = wanted {
-                let room = place.part.size() - vec2(0.0, pad.min(0.7 * place.part.height()));
-                self.corner = vec2(
-                    brought_into(self.corner.x, room.x, (target.min.x, target.max.x)),
-                    brought_into(self.corner.y, room.y, (target.min.y, target.max.y)),
-                );
-            }
-        }
-        if self.corner != before {
-            self.moved_at = Some(now);
-            view.ui.ctx().request_repaint();
-        }
+    }
+}
+
+/// A corner that leaves the part in the whole screen, on a whole point.
+fn within(corner: Vec2, whole: Vec2, part: Vec2) -> Vec2 {
+    corner.clamp(Vec2::ZERO, (whole - part).max(Vec2::ZERO)).round()
+}
+
+/// The part of a strip between two shares of its length.
+fn cell_of(strip: Rect, from: f32, to: f32) -> Rect {
+    let (least, size) = (strip.min, strip.size());
+    if size.y > size.x {
+        strip.with_min_y(least.y + from * size.y).with_max_y(least.y + to * size.y)
+    } else {
+        strip.with_min_x(least.x + from * size.x).with_max_x(least.x + to * size.x)
     }
 }
 
@@ -229,9 +301,4 @@ pub fn layout(screen: &Ui, zoomed: Option<&ZoomedScreen>, machine: Fitted) -> (R
         None => panel_layout(machine, regions.panel, regions.portrait),
     };
     (regions, panel)
-}
-
-/// The place of the pad.
-pub fn pad_room(place: &ZoomedScreen) -> Rect {
-    Rect::from_min_max(place.part.min, pos2(place.part.max.x - theme::GAP, place.part.max.y - theme::GAP))
 }

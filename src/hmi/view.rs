@@ -1,6 +1,6 @@
 //! The context that a page draws from, and the drawing functions for text and lines.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::fmt::Debug;
 use std::hash::Hash;
 use std::sync::Arc;
@@ -54,8 +54,11 @@ pub struct View<'a> {
     pub clock: &'a str,
     /// The lit half of the 1 Hz blink.
     pub blink: bool,
-    /// The framed field or the open dialog, as far as it is drawn: the numeric pad stays beside it, a zoomed screen shows it.
+    /// The framed field, as far as the frame is drawn: the numeric pad stays beside it, a zoomed screen shows it.
     pub entry: &'a Cell<Option<Rect>>,
+    /// What is typed and for what, with its range or why it was refused: where the input line is out of view, the message
+    /// line shows it.
+    pub prompt: &'a RefCell<String>,
 }
 
 impl View<'_> {
@@ -185,7 +188,7 @@ impl View<'_> {
     #[must_use]
     pub fn finger(&self) -> Option<Pos2> {
         let place = self.ui.input(|input| release_position(input).or(input.pointer.interact_pos()));
-        place.filter(|place| self.ui.max_rect().contains(*place))
+        place.filter(|place| self.ui.clip_rect().contains(*place))
     }
 
     /// The factor of a zoom in this frame: two fingers, or the mouse wheel.
@@ -315,15 +318,23 @@ impl View<'_> {
     /// Draws the card of a dialog over a page. The page beneath takes no touches while the dialog is open.
     pub fn dialog(&self, page: Rect, name: &str, size: Vec2, line: Color32) -> Rect {
         self.veil(page, name);
-        let card = Rect::from_center_size(page.center(), size.min(page.size() - vec2(24.0, 12.0)));
+        let room = page.intersect(self.ui.clip_rect());
+        let most = room.size() - vec2(24.0, 12.0);
+        // A narrower card is higher: its text has the same room.
+        let narrower = (size.x / most.x).max(1.0);
+        let card = Rect::from_center_size(room.center(), vec2(size.x, size.y * narrower).min(most));
         self.filled_card(card, self.theme.surface, line);
-        self.entry.set(Some(card));
         card
     }
 
     /// Paints a frame around a selected field.
     pub fn frame(&self, rect: Rect, colour: Color32) {
         self.entry.set(Some(rect));
+        self.outline(rect, colour);
+    }
+
+    /// Paints the same frame around something that is not the chosen field.
+    pub fn outline(&self, rect: Rect, colour: Color32) {
         self.painter.rect_stroke(rect, theme::RADIUS, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
     }
 

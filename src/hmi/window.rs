@@ -179,7 +179,11 @@ impl Window {
     /// Scales everything with the display size (H1) and the size that is set.
     fn apply_scale(&self, ctx: &egui::Context) {
         let now = ctx.pixels_per_point();
-        let zoom = self.screen.lock().unwrap_or_else(PoisonError::into_inner).hmi.zoom();
+        // Why the control has failed fills the screen as it is.
+        let has_failed = self.core.lock().unwrap_or_else(PoisonError::into_inner).health().fault().is_some();
+        let screen = self.screen.lock().unwrap_or_else(PoisonError::into_inner);
+        let zoom = if has_failed { 1.0 } else { screen.hmi.zoom() };
+        drop(screen);
         let wanted = zoom * theme::scale(ctx.viewport_rect().size() * now);
         if (wanted - now).abs() > 0.01 {
             ctx.set_pixels_per_point(wanted);

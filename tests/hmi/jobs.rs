@@ -107,6 +107,24 @@ fn b6_values_of_an_order_are_shown_and_taken_when_it_is_started() {
     assert!(!bench.shows("采用订单的数值"), "the page has them");
 }
 
+/// Who has just dressed the wheel wants no order of dressings.
+#[test]
+fn b6_the_form_proposes_the_loaded_program_unless_it_dresses() {
+    let mut bench = bench();
+    assert!(bench.shows("O1002"), "{:?}", bench.painted());
+    bench.rig.add_program(program_from_bytes(1_011, "O1011.NC", b"M30".to_vec(), bench.rig.kind().dialect()));
+    tell(&mut bench.rig, "load O1011\npage jobs");
+    bench.turn();
+    let form = bench.painted().into_iter().filter(|text| text == "O1002" || text == "O1011").count();
+    assert_eq!(form, 0, "{:?}", bench.painted());
+    bench.screen.query_all_by_label("job field 1").next().expect("the field").click();
+    bench.turn();
+    bench.write("501");
+    bench.press(egui::Key::Enter);
+    bench.touch("存入 job-enter");
+    assert!(bench.shows("先键入程序"), "{:?}", bench.painted());
+}
+
 #[test]
 fn b6_a_missing_figure_and_a_wrong_one_are_told_and_nothing_is_entered() {
     let mut bench = bench();

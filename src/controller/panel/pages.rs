@@ -83,10 +83,8 @@ impl Panel {
             PageCommand::SetNextKind(kind) => save(SettingsRequest::SaveKind(*kind)),
             PageCommand::SetLang(lang) => save(SettingsRequest::SaveLang(*lang)),
             PageCommand::SetLightTheme(light) => save(SettingsRequest::SaveLightTheme(*light)),
-            PageCommand::SetZoom(percent) => {
-                let known = ZOOMS.contains(percent);
-                save(SettingsRequest::SaveZoom(if known { *percent } else { ZOOMS[0] }));
-            }
+            PageCommand::SetZoom(percent) if !ZOOMS.contains(percent) => {}
+            PageCommand::SetZoom(percent) => save(SettingsRequest::SaveZoom(*percent)),
             PageCommand::SetBrightness(percent) => {
                 save(SettingsRequest::SaveBrightness((*percent).clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end())));
             }

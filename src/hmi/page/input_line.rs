@@ -50,6 +50,8 @@ pub fn bar(view: &View<'_>, rect: Rect) -> Rect {
 pub fn typed_text(view: &View<'_>, rect: Rect, label: &str, typing: &FieldEditor) -> Color32 {
     let words = format!("{} {label}{}", view.text("数据输入:", "INPUT:"), typing.text);
     let refused = typing.refused.is_some();
+    let reason = typing.refusal(view.lang).map_or_else(String::new, |reason| format!(" · {reason}"));
+    *view.prompt.borrow_mut() = format!("{label}{}{reason}", typing.text);
     view.fit_left(rect, &words, theme::TITLE, if refused { view.theme.alarm_text } else { view.theme.text });
     if refused { view.theme.alarm_text } else { view.theme.muted }
 }
@@ -71,6 +73,9 @@ fn draw(view: &View<'_>, rect: Rect, typing: &FieldEditor, told: &InputPrompt<'_
     if let Some(reason) = typing.refusal(view.lang) {
         view.fit_right(rest, &reason, theme::LABEL, ink);
         return;
+    }
+    if !told.range.is_empty() {
+        view.prompt.borrow_mut().push_str(&format!(" · {}", told.range));
     }
     let range = view.fit_right(rest, told.range, theme::LABEL, range_ink.unwrap_or(ink));
     view.fit_left(rest.with_max_x(range.min.x - theme::PAD), told.name, theme::LABEL, ink);

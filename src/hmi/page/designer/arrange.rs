@@ -86,7 +86,7 @@ impl DesignerPage {
             view.fit_left(ghost.shrink2(vec2(8.0, 2.0)), label, theme::LABEL, view.theme.text);
         }
         if let Some(place) = target.and_then(|target| places.entries.get(target)) {
-            view.frame(*place, view.theme.info);
+            view.outline(*place, view.theme.info);
         }
         if is_up {
             self.preview_drag = None;
@@ -109,7 +109,7 @@ impl DesignerPage {
             if is_chosen {
                 view.painter.rect_filled(frame, theme::RADIUS, view.theme.glow);
             }
-            view.frame(frame, if is_chosen { view.theme.focus } else { view.theme.info });
+            view.outline(frame, if is_chosen { view.theme.focus } else { view.theme.info });
         }
         if response.drag_started() {
             let from = view.ui.input(|input| input.pointer.press_origin());
@@ -124,7 +124,7 @@ impl DesignerPage {
             _ => Rect::from_min_size(at, Vec2::ZERO),
         };
         if self.preview_drag.is_some() {
-            view.frame(frame, view.theme.focus);
+            view.outline(frame, view.theme.focus);
         }
         if !response.clicked() && !response.drag_stopped() {
             return;

@@ -234,7 +234,7 @@ fn load_key(action: Rect, view: &View<'_>) -> bool {
     let face =
         KeycapState { pressed: response.is_pointer_button_down_on(), blocked: running, ..KeycapState::default() };
     keycap::paint_body(view, place, face);
-    view.frame(place, if running { view.theme.line } else { view.theme.focus });
+    view.outline(place, if running { view.theme.line } else { view.theme.focus });
     view.fit_centre(place, words, theme::TITLE, if running { view.theme.disabled } else { view.theme.text });
     response.clicked()
 }

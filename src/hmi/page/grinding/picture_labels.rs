@@ -23,7 +23,7 @@ pub fn ui(image: Rect, view: &View<'_>, files: &ScreenFiles, text: &PageText, ch
     for (_, area) in labels().filter(|(variable, _)| Some(*variable) == chosen) {
         let frame = area.expand2(vec2(3.0, 0.0));
         view.painter.rect_filled(frame, theme::RADIUS, view.theme.glow);
-        view.frame(frame, view.theme.focus);
+        view.outline(frame, view.theme.focus);
     }
     let at = response.clicked().then(|| response.interact_pointer_pos()).flatten()?;
     nearest(labels(), at)

@@ -57,7 +57,7 @@ impl PagePreview<'_> {
                     keycap::paint_body(view, place, KeycapState::default());
                     field(place, view, row, layout, None);
                 }
-                None if has_all_places => view.frame(place.shrink(1.0), view.theme.line),
+                None if has_all_places => view.outline(place.shrink(1.0), view.theme.line),
                 None => {}
             }
         }

@@ -9,7 +9,7 @@ use crate::hmi::keyboard::{SHORTCUTS, Shortcut};
 use crate::hmi::{Area, View, theme};
 
 /// Keys of the screen that are not panel keys.
-const SCREEN: [(&str, Text); 13] = [
+const SCREEN: [(&str, Text); 14] = [
     ("F1–F5", Text::new("软键", "soft keys")),
     ("F6", Text::new("软键下一行 ▶", "next row ▶")),
     ("Shift+F6", Text::new("软键上一行 ◀", "previous row ◀")),
@@ -22,6 +22,7 @@ const SCREEN: [(&str, Text); 13] = [
     ("PgUp PgDn", Text::new("翻页", "scroll")),
     ("X Y Z", Text::new("地址键", "address keys")),
     ("/", Text::new("查找", "search")),
+    ("Alt+↑↓←→", Text::new("放大时移动", "move when zoomed")),
     ("Alt+, .", Text::new("手轮 - +", "handwheel - +")),
 ];
 

@@ -79,10 +79,11 @@ impl OrderEntry {
         Ok(())
     }
 
-    /// The figure of a field: typed, of the order in the list, else the current program.
+    /// The figure of a field: typed, of the order in the list, else the current program unless it dresses.
     fn value(&self, field: usize, snapshot: &Snapshot) -> Option<u32> {
         let order = self.chosen().and_then(|number| snapshot.production.order(number));
-        let current = Some(snapshot.program.number).filter(|number| *number > 0);
+        let dresses = |number: &u32| snapshot.dressing_programs().contains(number);
+        let current = Some(snapshot.program.number).filter(|number| *number > 0 && !dresses(number));
         self.typed[field].or(match field {
             NUMBER => self.chosen(),
             PROGRAM => order.map(|order| order.program).or(current),

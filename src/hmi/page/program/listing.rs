@@ -120,6 +120,7 @@ impl ListingPosition {
             let at = galley.pos_from_cursor(egui::text::CCursor::new(column)).min.x + words.min.x;
             let caret = Rect::from_min_size(pos2(at - 1.0, place.min.y + 3.0), vec2(2.0, place.height() - 6.0));
             view.painter.rect_filled(caret, 0.0, view.theme.focus);
+            view.entry.set(Some(caret));
         }
         let painter = view.painter.with_clip_rect(words.intersect(view.painter.clip_rect()));
         painter.galley(pos2(words.min.x, top), galley, view.theme.text);

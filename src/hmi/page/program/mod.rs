@@ -388,7 +388,7 @@ impl ProgramPage {
     fn listing(&mut self, rect: Rect, view: &View<'_>, pages: i32) {
         view.card(rect);
         if self.editing {
-            view.frame(rect, view.theme.focus);
+            view.outline(rect, view.theme.focus);
         }
         let program = &view.snapshot.program;
         let list = round_to_lines(rect.shrink2(vec2(3.0, 4.0)), LINE_HEIGHT);

@@ -191,7 +191,7 @@ impl SettingsPage {
         let sizes = ZOOMS.map(|percent| (percent, format!("size-{percent}"), format!("{percent} %")));
         let place = group.row(2);
         let label = place.cell(0, sizes.len() + 1);
-        view.fit_left(label, view.text("画面大小", "size of all"), theme::LABEL, view.theme.text);
+        view.fit_left(label, view.text("画面大小", "screen size"), theme::LABEL, view.theme.text);
         for (column, (percent, id, label)) in sizes.iter().enumerate() {
             let key = PageKey::new(id, label).on(view.zoom == *percent);
             if self.walk.button(view, place.cell(column + 1, sizes.len() + 1), key) {
