@@ -23,8 +23,8 @@ const STRIP: f32 = 92.0;
 const LEAST: Vec2 = vec2(1_024.0, 768.0);
 /// The keys of the strip and their shares of its length, after the overview; the last is where it is on the panel.
 const KEYS: [(Key, f32); 4] =
-    [(Key::CycleStart, 0.19), (Key::FeedHold, 0.19), (Key::Reset, 0.15), (Key::EmergencyStop, 0.25)];
-const OVERVIEW_SHARE: f32 = 0.18;
+    [(Key::CycleStart, 0.2), (Key::FeedHold, 0.2), (Key::Reset, 0.15), (Key::EmergencyStop, 0.25)];
+const OVERVIEW_SHARE: f32 = 0.16;
 /// Share of the strip between cycle start and the keys that stop.
 const APART_SHARE: f32 = 0.04;
 /// Share of the part by which a key moves it.
@@ -209,8 +209,7 @@ impl ScreenZoom {
         let (before, was_typing) = (self.corner, self.is_typing);
         let shown = Some((view.snapshot.page, page.is_covered));
         if self.page != shown {
-            (self.page, self.corner) = (shown, Vec2::ZERO);
-            self.answers = ANSWER_FRAMES;
+            (self.page, self.corner, self.answers) = (shown, Vec2::ZERO, 0);
         }
         let touches = clicks && view.finger().is_some_and(|at| place.part.contains(at));
         if touches || page.has_keys || page.is_typing != was_typing {

@@ -181,6 +181,10 @@ fn h9_a_finger_on_the_overview_moves_the_part_and_nothing_else() {
     screen.state_mut().snapshot = snapshot(Page::Home);
     (0..3).for_each(|_| screen.step());
     assert!((next_row(&screen).x - before.x).abs() < 1.0);
+    // So does one whose chosen field is elsewhere.
+    screen.state_mut().snapshot = snapshot(Page::Jobs);
+    (0..4).for_each(|_| screen.step());
+    assert!((next_row(&screen).x - before.x).abs() < 1.0);
     // The keyboard moves it as well.
     let before = next_row(&screen);
     screen.key_press_modifiers(Modifiers::ALT, egui::Key::ArrowDown);
