@@ -1,6 +1,11 @@
 //! Plays stories again and again on a control on its thread; a touch of the screen stops them for a while.
 //! Source: spec T2; issue "the face", part 9.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread::Scope;
+
+use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
+
 use super::args::SharedArgs;
 use super::play::StoryFile;
 use super::{CallError, setup};
@@ -20,6 +25,7 @@ const PAUSE: Micros = Micros::from_millis(5_000);
 
 /// A simulated control on a thread.
 type DemoThread = HostThread<HostedSimulation, ThreadedStorage>;
+type DemoHost = Host<HostedSimulation, ThreadedStorage>;
 
 /// What is played: one story, again and again on the same control, or several, each on a machine of its own.
 pub struct Film {
@@ -36,21 +42,47 @@ impl Film {
     }
 
     /// A new machine for a story, prepared as the story wants it.
-    fn prepared_host(&self, story: &StoryFile) -> Result<Host<HostedSimulation, ThreadedStorage>, CallError> {
+    fn prepared_host(&self, story: &StoryFile) -> Result<DemoHost, CallError> {
         let mut host = setup::threaded_host(&self.call_for(story), false, setup::simulated_for_display)?;
         prepare(&mut host, &self.shared, story);
         Ok(host)
     }
 }
 
+/// Prepares machines on a thread that lives as long as the film: the memory that a preparation needs for a moment stays
+/// with the thread, and the next one takes it again.
+struct Preparer {
+    asked: Sender<usize>,
+    prepared: Receiver<Result<DemoHost, CallError>>,
+}
+
+impl Preparer {
+    fn spawn<'scope>(scope: &'scope Scope<'scope, '_>, film: &'scope Film) -> Self {
+        let (asked, orders) = bounded::<usize>(1);
+        let (finished, prepared) = bounded(1);
+        scope.spawn(move || {
+            let stories = orders.iter().filter_map(|index| film.stories.get(index));
+            // Nobody waits for it at the end.
+            let prepare = |story| catch_unwind(AssertUnwindSafe(|| film.prepared_host(story)));
+            let told = |_| Err(CallError::new("the machine of the next story could not be prepared"));
+            stories.map(|story| prepare(story).unwrap_or_else(told)).try_for_each(|host| finished.send(host)).ok();
+        });
+        Self { asked, prepared }
+    }
+}
+
 /// Plays until the thread is stopped. The thread begins with a machine of the first story.
 pub fn repeat(thread: &mut DemoThread, film: &Film) {
+    std::thread::scope(|scope| play_all(thread, film, &Preparer::spawn(scope, film)));
+}
+
+fn play_all(thread: &mut DemoThread, film: &Film, preparer: &Preparer) {
     let (mut next, mut has_played) = (0, false);
     while !thread.is_stopped() {
         let Some(story) = film.stories.get(next) else { return };
         thread.take_touched();
         let is_ready = if has_played && film.stories.len() > 1 {
-            change_machine(thread, film, story)
+            change_machine(thread, next, preparer)
         } else {
             thread.host().power_on();
             prepare(thread.host(), &film.shared, story);
@@ -73,14 +105,15 @@ pub fn repeat(thread: &mut DemoThread, film: &Film) {
 
 /// Puts a machine prepared for the next story in the place of this one, which goes on meanwhile. Whoever touches it
 /// keeps it. Whether it is there.
-fn change_machine(thread: &mut DemoThread, film: &Film, story: &StoryFile) -> bool {
-    let prepared = std::thread::scope(|scope| {
-        let preparation = scope.spawn(|| film.prepared_host(story));
-        while !preparation.is_finished() && !thread.is_stopped() {
+fn change_machine(thread: &mut DemoThread, story: usize, preparer: &Preparer) -> bool {
+    let mut prepared = Err(TryRecvError::Disconnected);
+    if preparer.asked.send(story).is_ok() {
+        prepared = preparer.prepared.try_recv();
+        while matches!(prepared, Err(TryRecvError::Empty)) && !thread.is_stopped() {
             thread.turn();
+            prepared = preparer.prepared.try_recv();
         }
-        preparation.join()
-    });
+    }
     match prepared {
         _ if thread.is_touched() => return false,
         Ok(Ok(host)) => {
@@ -88,7 +121,8 @@ fn change_machine(thread: &mut DemoThread, film: &Film, story: &StoryFile) -> bo
             return true;
         }
         Ok(Err(why)) => warn_line!("kt830: {why}"),
-        Err(_) => warn_line!("kt830: the machine of the next story could not be prepared"),
+        // The film ends.
+        Err(_) => {}
     }
     // The one that is there stays in sight for a moment.
     pause(thread);
