@@ -62,10 +62,13 @@ impl Preparer {
         let (finished, prepared) = bounded(1);
         scope.spawn(move || {
             let stories = orders.iter().filter_map(|index| film.stories.get(index));
-            // Nobody waits for it at the end.
             let prepare = |story| catch_unwind(AssertUnwindSafe(|| film.prepared_host(story)));
             let told = |_| Err(CallError::new("the machine of the next story could not be prepared"));
-            stories.map(|story| prepare(story).unwrap_or_else(told)).try_for_each(|host| finished.send(host)).ok();
+            for story in stories {
+                if finished.send(prepare(story).unwrap_or_else(told)).is_err() {
+                    return;
+                }
+            }
         });
         Self { asked, prepared }
     }
