@@ -3,7 +3,7 @@
 
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
 
-use egui::{Event, Modifiers, PointerButton, Pos2, TouchDeviceId, TouchId, TouchPhase, pos2};
+use egui::{Event, Modifiers, PointerButton, Pos2, TouchPhase, pos2};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::key::Key;
 use kt830::defs::page::Page;
@@ -14,7 +14,7 @@ use kt830::host::headless::HeadlessHost;
 use kt830::link::Snapshot;
 use kt830::units::Micros;
 
-use crate::screen::{Screen, open};
+use crate::screen::{Screen, finger_event, open};
 
 /// Ticks between two frames: sixty frames a second.
 const FRAME_TICKS: u32 = 16;
@@ -144,7 +144,7 @@ impl Operator {
     // Fingers.
 
     fn finger(&mut self, at: Pos2, phase: TouchPhase) {
-        let touch = Event::Touch { device_id: TouchDeviceId(1), id: TouchId(1), phase, pos: at, force: None };
+        let touch = finger_event(1, phase, at);
         let button = |pressed| Event::PointerButton {
             pos: at,
             button: PointerButton::Primary,

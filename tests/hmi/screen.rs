@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test file uses what it needs")]
 
-use egui::vec2;
+use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase, vec2};
 use egui_kittest::Harness;
 use kt830::defs::text::Lang;
 use kt830::hmi::Hmi;
@@ -36,6 +36,11 @@ pub fn open_sized(snapshot: Snapshot, size: egui::Vec2) -> Screen {
     screen.step();
     screen.state_mut().sent.clear();
     screen
+}
+
+/// An event of a finger on the touch screen, by its number.
+pub fn finger_event(id: u64, phase: TouchPhase, pos: Pos2) -> Event {
+    Event::Touch { device_id: TouchDeviceId(1), id: TouchId(id), phase, pos, force: None }
 }
 
 /// Every text of the last frame as it was painted.

@@ -1,6 +1,6 @@
 //! The finger on the screen: a swipe turns the page, a long touch explains a key, an opened page fades in. Source: spec H9.
 
-use egui::{Event, Modifiers, PointerButton, Pos2, TouchDeviceId, TouchId, TouchPhase, pos2, vec2};
+use egui::{Event, Modifiers, PointerButton, Pos2, TouchPhase, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::key::{Key, KeyGroup};
 use kt830::defs::kind::Kind;
@@ -12,7 +12,7 @@ use kt830::link::internal_signal::InternalSignal;
 use kt830::link::page_command::PageCommand;
 
 use crate::sample::snapshot;
-use crate::screen::{Screen, open, painted};
+use crate::screen::{Screen, finger_event, open, painted};
 
 /// Frames of a quarter of a second in which nothing comes from the finger.
 fn wait(screen: &mut Screen, frames: usize) {
@@ -207,23 +207,16 @@ fn h9_an_opened_page_is_there_at_once_and_fades_in_only_on_a_display() {
 /// Two fingers, as the window translates them: the first one is the pointer, the second one is not.
 fn two_fingers(first: Pos2, second: Pos2) -> Vec<String> {
     let mut screen = open(snapshot(Page::Alarm));
-    let touch = |id: u64, phase: TouchPhase, pos: Pos2| Event::Touch {
-        device_id: TouchDeviceId(1),
-        id: TouchId(id),
-        phase,
-        pos,
-        force: None,
-    };
     let button = |pressed: bool| {
         let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
         Event::PointerButton { pos: first, button, pressed, modifiers }
     };
     let frames = [
-        vec![touch(1, TouchPhase::Start, first), Event::PointerMoved(first), button(true)],
-        vec![touch(2, TouchPhase::Start, second)],
-        vec![touch(2, TouchPhase::Move, second + vec2(3.0, 0.0))],
-        vec![touch(2, TouchPhase::End, second)],
-        vec![touch(1, TouchPhase::End, first), button(false), Event::PointerGone],
+        vec![finger_event(1, TouchPhase::Start, first), Event::PointerMoved(first), button(true)],
+        vec![finger_event(2, TouchPhase::Start, second)],
+        vec![finger_event(2, TouchPhase::Move, second + vec2(3.0, 0.0))],
+        vec![finger_event(2, TouchPhase::End, second)],
+        vec![finger_event(1, TouchPhase::End, first), button(false), Event::PointerGone],
     ];
     for events in frames {
         screen.input_mut().events.extend(events);

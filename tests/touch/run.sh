@@ -6,23 +6,16 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 modules=/usr/lib/xorg/modules
-for needed in Xorg xinput xdotool import; do
-  if ! command -v "$needed" >/dev/null; then
-    echo "tests/touch: '$needed' is missing; NOTHING was tested"
-    exit 0
-  fi
-done
+# shellcheck source=tests/window/needs.sh
+source tests/window/needs.sh
+need tests/touch Xorg xinput xdotool import
 for needed in input/inputtest_drv.so drivers/dummy_drv.so; do
   if [[ ! -e "$modules/$needed" ]]; then
     echo "tests/touch: '$modules/$needed' is missing; NOTHING was tested"
     exit 0
   fi
 done
-program=${KT830_WINDOW_PROGRAM:-}
-if [[ -z "$program" ]]; then
-  cargo build --locked
-  program=${CARGO_TARGET_DIR:-target}/debug/kt830
-fi
+find_program
 program=$(realpath "$program")
 work=$(mktemp -d)
 port=$((20000 + RANDOM % 10000))

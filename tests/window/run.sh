@@ -6,17 +6,10 @@
 # KT830_WINDOW_PROGRAM names a built program, so that nothing is built here.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-for needed in Xvfb openbox xdotool wmctrl; do
-  if ! command -v "$needed" >/dev/null; then
-    echo "tests/window: '$needed' is missing; NOTHING was tested"
-    exit 0
-  fi
-done
-program=${KT830_WINDOW_PROGRAM:-}
-if [[ -z "$program" ]]; then
-  cargo build --locked
-  program=${CARGO_TARGET_DIR:-target}/debug/kt830
-fi
+# shellcheck source=tests/window/needs.sh
+source tests/window/needs.sh
+need tests/window Xvfb openbox xdotool wmctrl
+find_program
 work=$(mktemp -d)
 failed=0
 number=90
