@@ -2,8 +2,8 @@
 //! A part is judged by the drawing in its part file. Before a batch the wheel is dressed and, where no gauge measures, a first
 //! part is measured and the offsets are corrected, as an operator does it. Source: P4–P8, T3.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
@@ -102,26 +102,35 @@ pub fn qualify(shared: &SharedArgs, call: &QualifyArgs) -> Result<u8, CallError>
     if let Some(word) = shared.programs.take_if(|folder| !folder.is_dir()) {
         names.extend(word.to_string_lossy().split(',').map(str::to_owned));
     }
-    let (subjects, machines) = (subjects(&names)?, candidates(call.machines.as_deref())?);
+    let (subjects, machines) = (subjects(&shared, &names)?, candidates(call.machines.as_deref())?);
     let last = shared.seed.checked_add(call.seeds);
     let last =
         last.ok_or_else(|| CallError::new(format!("--seed {}: too great for {} seeds", shared.seed, call.seeds)))?;
     let planned = plan(&subjects, &machines)?;
-    for subject in &subjects {
-        // Missing folders and files are installed once, before many batches want them.
-        setup::folders(&SharedArgs { kind: subject.part.kind, ..shared.clone() })?;
-    }
     let seeds = shared.seed..last;
     let batches: Vec<QualifiedBatch<'_>> =
         planned.iter().flat_map(|row| seeds.clone().map(move |seed| QualifiedBatch { row, seed })).collect();
-    let ground = grind_all(&shared, &batches, call.parts)?;
-    // The batches of a program on a machine follow each other.
-    let of_row = planned.iter().zip(ground.chunks(call.seeds as usize));
-    let rows: Vec<QualificationRow> = of_row.map(|(row, batches)| QualificationRow::of(row, batches)).collect();
+    let as_text = shared.format == OutputFormat::Text;
+    if as_text {
+        print_line(headings());
+    }
+    let mut rows = Vec::with_capacity(planned.len());
+    // The batches of a program on a machine follow each other. A row is told as soon as it is known.
+    let mut of_row = Vec::with_capacity(call.seeds as usize);
+    grind_all(&shared, &batches, call.parts, &mut |ground| {
+        of_row.push(ground);
+        if of_row.len() == call.seeds as usize {
+            let row = QualificationRow::of(&planned[rows.len()], &std::mem::take(&mut of_row));
+            if as_text {
+                print_line(row.line());
+            }
+            rows.push(row);
+        }
+    })?;
     let failed = rows.iter().map(|row| row.silent + row.spoilt).sum::<usize>();
     print_line(match shared.format {
         OutputFormat::Json => json!({"rows": rows, "silent_or_spoilt": failed}).to_string(),
-        OutputFormat::Text => table(&rows),
+        OutputFormat::Text => sums(&rows),
     });
     Ok(if failed == 0 { SUCCESS } else { FAILED })
 }
@@ -142,8 +151,9 @@ fn refuse_words(shared: &SharedArgs) -> Result<(), CallError> {
     Err(CallError::new(format!("{word}: a qualification begins with factory data, kind and part of each program")))
 }
 
-/// The programs that have a drawing, of those named.
-fn subjects(names: &[String]) -> Result<Vec<Subject>, CallError> {
+/// The programs that have a drawing, of those named; of all, those in the folder. Missing folders and files are installed
+/// here, before many batches want them.
+fn subjects(shared: &SharedArgs, names: &[String]) -> Result<Vec<Subject>, CallError> {
     let subject = |name: &'static str| {
         let number = program_number::from_name(name);
         let part = PartFile::builtin(number).map_err(CallError::new)?;
@@ -158,12 +168,20 @@ fn subjects(names: &[String]) -> Result<Vec<Subject>, CallError> {
     if let Some(name) = wanted.iter().find(missing) {
         return Err(CallError::new(format!("{name}: no part with a drawing belongs to this program")));
     }
-    if takes_all {
-        // PRINTED is VGRIND as it is printed.
-        all.dedup_by(|later, first| later.part == first.part);
+    let is_wanted = |subject: &Subject| wanted.iter().any(|name| subject.number == number(name));
+    all.retain(|subject| takes_all || is_wanted(subject));
+    let mut found = Vec::with_capacity(all.len());
+    for subject in all {
+        let mut host = setup::headless_host(&SharedArgs { kind: subject.part.kind, ..shared.clone() })?;
+        let program = setup::find_program(&mut host, subject.name);
+        host.close();
+        match program {
+            Ok(_) => found.push(subject),
+            Err(missing) if is_wanted(&subject) => return Err(missing),
+            Err(_) => {}
+        }
     }
-    all.retain(|subject| takes_all || wanted.iter().any(|name| subject.number == number(name)));
-    Ok(all)
+    Ok(found)
 }
 
 /// The machines of a folder, else those that come with the control; each beside the machine of the kind itself.
@@ -202,29 +220,44 @@ fn plan<'a>(subjects: &'a [Subject], machines: &'a [MachineCandidate]) -> Result
     Ok(rows)
 }
 
-/// Grinds the batches, as many at once as there are processors.
+/// Grinds the batches, as many at once as there are processors, and gives each to `then`, in their order.
+///
+/// # Errors
+/// The first batch that cannot be ground; those behind it are not begun.
 fn grind_all(
     shared: &SharedArgs,
     batches: &[QualifiedBatch<'_>],
     parts: u32,
-) -> Result<Vec<Vec<GroundPart>>, CallError> {
-    let next = AtomicUsize::new(0);
-    let done: Vec<Mutex<Option<GroundBatch>>> = batches.iter().map(|_| Mutex::new(None)).collect();
+    then: &mut dyn FnMut(Vec<GroundPart>),
+) -> Result<(), CallError> {
+    let next = &AtomicUsize::new(0);
+    let (sender, done) = crossbeam_channel::unbounded();
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            scope.spawn(|| {
+            let sender = sender.clone();
+            scope.spawn(move || {
                 while let Some(at) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < batches.len()) {
                     let ground = grind(shared, &batches[at], parts);
                     if ground.is_err() {
                         next.store(batches.len(), Ordering::Relaxed);
                     }
-                    *done[at].lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(ground);
+                    // The receiver lives until all senders are gone.
+                    let _ = sender.send((at, ground));
                 }
             });
         }
-    });
-    let ground = |one: Mutex<Option<_>>| one.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    done.into_iter().filter_map(ground).collect()
+        drop(sender);
+        let mut early: BTreeMap<usize, GroundBatch> = BTreeMap::new();
+        let mut told = 0;
+        for (at, ground) in done {
+            early.insert(at, ground);
+            while let Some(ground) = early.remove(&told) {
+                then(ground?);
+                told += 1;
+            }
+        }
+        Ok(())
+    })
 }
 
 /// Grinds a batch; it ends with the first part that is not finished.
@@ -400,6 +433,28 @@ impl QualificationRow {
             why,
         }
     }
+
+    /// Its line of the table.
+    fn line(&self) -> String {
+        let cpk = self.cpk.map_or_else(|| "-".to_owned(), |cpk| format!("{cpk:.2}"));
+        let line = format!(
+            "{:<7} {:<11}{:>6}{:>6}{:>9}{:>8}{:>8}{:>9}{:>10.2}{:>7}{:>9.1}{:>9.1}  {}",
+            self.program,
+            self.machine,
+            self.parts,
+            self.good,
+            self.rejected,
+            self.silent,
+            self.spoilt,
+            self.stopped,
+            self.worst_um,
+            cpk,
+            self.first_s,
+            self.last_s,
+            self.why.join("; ")
+        );
+        line.trim_end().to_owned()
+    }
 }
 
 /// Cpk of deviations within ± a limit; none for fewer than two, or if all are equal.
@@ -413,8 +468,9 @@ fn capability(deviations: &[f64], limit: f64) -> Option<f64> {
     Some((limit - mean.abs()) / (SIGMAS * variance.sqrt())).filter(|cpk| cpk.is_finite())
 }
 
-fn table(rows: &[QualificationRow]) -> String {
-    let mut lines = vec![format!(
+/// The headings of the table.
+fn headings() -> String {
+    format!(
         "{:<7}{:<12}{:>6}{:>6}{:>9}{:>8}{:>8}{:>9}{:>10}{:>7}{:>9}{:>9}",
         "program",
         " machine",
@@ -428,32 +484,13 @@ fn table(rows: &[QualificationRow]) -> String {
         "Cpk",
         "first s",
         "last s"
-    )];
-    for row in rows {
-        let cpk = row.cpk.map_or_else(|| "-".to_owned(), |cpk| format!("{cpk:.2}"));
-        let why = row.why.join("; ");
-        lines.push(
-            format!(
-                "{:<7} {:<11}{:>6}{:>6}{:>9}{:>8}{:>8}{:>9}{:>10.2}{:>7}{:>9.1}{:>9.1}  {why}",
-                row.program,
-                row.machine,
-                row.parts,
-                row.good,
-                row.rejected,
-                row.silent,
-                row.spoilt,
-                row.stopped,
-                row.worst_um,
-                cpk,
-                row.first_s,
-                row.last_s
-            )
-            .trim_end()
-            .to_owned(),
-        );
-    }
+    )
+}
+
+/// The last line of the table.
+fn sums(rows: &[QualificationRow]) -> String {
     let sum = |of: fn(&QualificationRow) -> usize| rows.iter().map(of).sum::<usize>();
-    lines.push(format!(
+    format!(
         "{} parts: {} good, {} rejected, {} bad without a word, {} spoilt, {} stopped",
         sum(|row| row.parts),
         sum(|row| row.good),
@@ -461,8 +498,7 @@ fn table(rows: &[QualificationRow]) -> String {
         sum(|row| row.silent),
         sum(|row| row.spoilt),
         sum(|row| row.stopped)
-    ));
-    lines.join("\n")
+    )
 }
 
 #[cfg(test)]

@@ -508,7 +508,7 @@ pub fn read_text(what: &str, path: &Path) -> Result<String, CallError> {
 ///
 /// # Errors
 /// There is no such program.
-fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
+pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
     let known = |number: &u32| host.has_program(*number);
     if let Some(number) = parse::program(word).filter(known).or_else(|| host.find_program(word)) {
         return Ok(number);

@@ -708,6 +708,20 @@ fn t3_programs_are_qualified_on_other_machines() {
     let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
     assert_eq!((&told["rows"][0]["program"], &told["rows"][0]["good"]), (&"VGRIND".into(), &1.into()), "{told}");
     assert_eq!(status(&kt830(&["qualify", "O1011"])), 2, "it makes no part");
+    // Of all programs those of the folder; one that is named and not there is told before anything is ground.
+    let (programs, standard) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    for entry in std::fs::read_dir("programs").unwrap().map(|entry| entry.unwrap().path()) {
+        let name = entry.file_name().unwrap().to_string_lossy().into_owned();
+        if name == "O1002.NC" || name.starts_with("O9") {
+            std::fs::copy(&entry, programs.path().join(name)).unwrap();
+        }
+    }
+    let (programs, standard) = (programs.path().to_string_lossy(), standard.path().to_string_lossy());
+    let out = kt830(&["qualify", "--programs", &programs, "--machines", &standard, "--parts", "1"]);
+    let table = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert_eq!(table.lines().count(), 3, "headings, O1002, sums: {table}{}", errors(&out));
+    let missing = kt830(&["qualify", "O1002", "PRINTED", "--machines", &standard, "--parts", "1"]);
+    assert!(status(&missing) == 2 && missing.stdout.is_empty(), "{}", errors(&missing));
     let wrap = kt830(&["qualify", "O1002", "--seed", "18446744073709551615"]);
     assert!(status(&wrap) == 2 && errors(&wrap).contains("--seed"), "{}", errors(&wrap));
     // A wrong machine is told before anything is ground, a whole machine of another kind is left out.
