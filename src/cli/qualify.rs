@@ -1,6 +1,7 @@
 //! `kt830 qualify`: grinds batches with every program on machines that it was not made on, and tells which parts are good.
-//! A part is judged by the drawing in its part file. Before a batch the wheel is dressed and, where no gauge measures, a first
-//! part is measured and the offsets are corrected, as an operator does it. Source: P4–P8, T3.
+//! A part is judged by the drawing in its part file. As an operator does it, before a batch the wheel is dressed and, where no
+//! gauge measures, a first part is measured and the offsets are corrected; every part is measured and its size is typed.
+//! Source: P4–P8, T3.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
 use crate::io::sim::{MachineFile, PartFile, VARIATIONS};
 use crate::link::command::Command;
+use crate::link::part_result::{CorrectionAdvice, PartCommand};
 use crate::story::parse;
 use crate::units::Micros;
 
@@ -278,7 +280,7 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     while ground.len() < parts as usize {
         host.machine_mut().set_part(Some(&subject.part));
         let mut part = grind_part(&mut host, subject);
-        host.type_measured_size(&subject.part);
+        measure(&mut host, &subject.part);
         if part.end == PartEnd::Silent && host.snapshot().cycle.part.is_some_and(|part| part.verdict(None).is_bad()) {
             part.end = PartEnd::Rejected;
         }
@@ -292,11 +294,10 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     Ok(ground)
 }
 
-/// Where the size of the part is typed, the operator has entered the tolerance of the drawing, by which it is judged. R
-/// parameters have no page that names measured and finished size: parameters do.
+/// The operator has entered the tolerance of the drawing, by which the size that is typed is judged. R parameters have no page
+/// that names measured and finished size: parameters do.
 fn judge_typed_sizes(shared: &mut SharedArgs, part: &PartFile) {
-    let main = part.drawing.first().filter(|size| size.typed.is_some() || part.typed_length.is_some());
-    let Some(size) = main else { return };
+    let Some(size) = part.drawing.first() else { return };
     let limits = [(param::TREND_LOWER, -size.tolerance), (param::TREND_UPPER, size.tolerance)];
     shared.params.extend(limits.map(|(row, mm)| (row.address(), mm)));
     let Some(typed) = size.typed.filter(|_| part.finished.is_some()) else { return };
@@ -354,6 +355,25 @@ fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPar
     Ok(None)
 }
 
+/// The operator measures the part and types what he finds on its page, else on the card of the last part, at the place that is
+/// farthest off; a correction that the card proposes is taken.
+fn measure(host: &mut HeadlessHost, part: &PartFile) {
+    host.type_measured_size(part);
+    let result = host.snapshot().cycle.part.filter(|_| !part.has_typed_size());
+    let Some((result, nominal)) = result.and_then(|result| Some((result, result.nominal?))) else { return };
+    let sizes = part.drawing.iter().zip(host.machine().measure().size_deviations_um(&part.drawing));
+    let mut measured = sizes.filter(|(size, _)| (size.size - nominal.mm).abs() < 1e-9).filter_map(|(_, um)| um);
+    let Some(um) = measured.next() else { return };
+    let ended_at = result.ended_at;
+    host.send(Command::Part(PartCommand::TypeSize { ended_at, mm: nominal.mm + um / 1_000.0 }));
+    host.step();
+    let proposed = host.snapshot().cycle.part.map(|part| part.advice(None));
+    if let Some(CorrectionAdvice::Add(_, increment)) = proposed {
+        host.send(Command::Part(PartCommand::Correct { ended_at, increment }));
+        host.step();
+    }
+}
+
 /// Grinds a part and judges it.
 fn grind_part(host: &mut HeadlessHost, subject: &Subject) -> GroundPart {
     let begun = host.now();
@@ -399,6 +419,8 @@ struct QualificationRow {
     last_s: f64,
     /// What has stopped or spoilt parts, each once.
     why: Vec<String>,
+    /// Greatest deviation of each part in the order of grinding, µm, one list for each seed; none where nothing was measured.
+    deviations_um: Vec<Vec<Option<f64>>>,
 }
 
 impl QualificationRow {
@@ -431,6 +453,7 @@ impl QualificationRow {
             first_s: finished.first().map_or(f64::NAN, |part| part.seconds),
             last_s: finished.last().map_or(f64::NAN, |part| part.seconds),
             why,
+            deviations_um: batches.iter().map(|batch| batch.iter().map(|part| part.worst_um).collect()).collect(),
         }
     }
 

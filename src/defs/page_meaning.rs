@@ -9,7 +9,7 @@ use crate::units::Axis;
 /// What a size is measured on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SizeKind {
-    /// A diameter.
+    /// A diameter, outside or of a bore.
     Diameter,
     /// The height of a plane.
     Height,
@@ -20,7 +20,7 @@ pub enum SizeKind {
 /// The meaning of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PageMeaning {
-    /// 成品直径, 成品高度, 成品长度: the nominal size of the part.
+    /// 成品直径, 成品孔径, 成品高度, 成品长度: the nominal size of the part.
     Nominal(SizeKind),
     /// 上偏差: upper deviation from the nominal size.
     UpperDeviation,
@@ -55,8 +55,9 @@ pub enum PageMeaning {
 }
 
 /// The words of a label and what they mean.
-const WORDS: [(&str, PageMeaning); 18] = [
+const WORDS: [(&str, PageMeaning); 19] = [
     ("成品直径", PageMeaning::Nominal(SizeKind::Diameter)),
+    ("成品孔径", PageMeaning::Nominal(SizeKind::Diameter)),
     ("成品高度", PageMeaning::Nominal(SizeKind::Height)),
     ("成品长度", PageMeaning::Nominal(SizeKind::Length)),
     ("上偏差", PageMeaning::UpperDeviation),
