@@ -31,6 +31,9 @@ const SETTLE_TICKS: u32 = 200;
 /// Deviations that make a process capable: Cpk is the distance from mean to limit in three standard deviations.
 const SIGMAS: f64 = 3.0;
 
+/// Parts by whose mean a gauge is set.
+const GAUGE_PARTS: u8 = 3;
+
 /// R66 of the vertical lathe-grinder.
 const SIZE_GROUND_LAST: u16 = 666;
 
@@ -82,8 +85,8 @@ struct GroundPart {
     end: PartEnd,
     /// Greatest deviation from the drawing, µm.
     worst_um: Option<f64>,
-    /// Greatest deviation of each size of the drawing, µm; none where nothing of it was measured.
-    sizes_um: Vec<Option<f64>>,
+    /// Deviation of each measured place from the drawing, and its tolerance, µm.
+    places_um: Vec<(f64, f64)>,
     seconds: f64,
     /// What has stopped or spoilt it.
     why: Option<String>,
@@ -273,14 +276,15 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     let mut host = setup::headless_host(&shared)?;
     host.swap_machine(machine.clone(), seed);
     setup::prepare_run(&mut host, &shared, ProgramToRun::Word(subject.name))?;
-    if let Some(failed) = set_up(&mut host, subject)? {
+    let mut part_file = subject.part.clone();
+    if let Some(failed) = set_up(&mut host, subject, &mut part_file)? {
         return Ok(vec![failed]);
     }
     let mut ground: Vec<GroundPart> = Vec::new();
     while ground.len() < parts as usize {
-        host.machine_mut().set_part(Some(&subject.part));
+        host.machine_mut().set_part(Some(&part_file));
         let mut part = grind_part(&mut host, subject);
-        measure(&mut host, &subject.part);
+        measure(&mut host, &part_file);
         if part.end == PartEnd::Silent && host.snapshot().cycle.part.is_some_and(|part| part.verdict(None).is_bad()) {
             part.end = PartEnd::Rejected;
         }
@@ -306,8 +310,13 @@ fn judge_typed_sizes(shared: &mut SharedArgs, part: &PartFile) {
 }
 
 /// What an operator does before a batch: the wheel is dressed; where no gauge measures, the first part is measured, and the
-/// offsets are corrected. That part belongs to no batch. Returns what has stopped or spoilt it, if something has.
-fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPart>, CallError> {
+/// offsets are corrected; a gauge is set by its first parts. These parts belong to no batch. Returns what has stopped or spoilt
+/// one, if something has.
+fn set_up(
+    host: &mut HeadlessHost,
+    subject: &Subject,
+    part_file: &mut PartFile,
+) -> Result<Option<GroundPart>, CallError> {
     host.machine_mut().set_part(Some(&subject.part));
     // The internal grinding spindle has a dresser of its own, which its program uses.
     let dressing = subject.part.kind.row().dressing_program.filter(|_| subject.part.internal_spindle.is_none());
@@ -352,7 +361,31 @@ fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPar
             return Err(CallError::new(format!("{}: the offset: {}", subject.name, refusal.en())));
         }
     }
-    Ok(None)
+    Ok(set_gauges(host, subject, part_file))
+}
+
+/// Sets each gauge by the mean of the first parts, as its zero screw is turned.
+fn set_gauges(host: &mut HeadlessHost, subject: &Subject, part_file: &mut PartFile) -> Option<GroundPart> {
+    let drawing = &subject.part.drawing;
+    if !drawing.iter().any(|size| part_file.gauge_of_mut(size).is_some()) {
+        return None;
+    }
+    for _ in 0..GAUGE_PARTS {
+        host.machine_mut().set_part(Some(&subject.part));
+        let part = grind_part(host, subject);
+        if matches!(part.end, PartEnd::Stopped | PartEnd::Spoilt) {
+            return Some(part);
+        }
+        let report = host.machine().measure();
+        for size in drawing {
+            let off = report.mean_deviation_mm(drawing, size);
+            if let Some((gauge, off)) = part_file.gauge_of_mut(size).zip(off) {
+                gauge.set -= off / f64::from(GAUGE_PARTS);
+            }
+        }
+        host.type_measured_size(&subject.part);
+    }
+    None
 }
 
 /// The operator measures the part and types what he finds on its page, else on the card of the last part, at the place that is
@@ -396,8 +429,8 @@ fn grind_part(host: &mut HeadlessHost, subject: &Subject) -> GroundPart {
         _ => PartEnd::Stopped,
     };
     let why = defects.first().map(|defect| defect.id().to_owned()).or(alarm);
-    let sizes_um = host.machine().measure().size_deviations_um(&subject.part.drawing);
-    GroundPart { end, worst_um: deviation.map(|deviation| deviation.worst_um), sizes_um, seconds, why }
+    let places_um = host.machine().measure().place_deviations_um(&subject.part.drawing);
+    GroundPart { end, worst_um: deviation.map(|deviation| deviation.worst_um), places_um, seconds, why }
 }
 
 /// What a program does on a machine.
@@ -413,7 +446,7 @@ struct QualificationRow {
     stopped: usize,
     /// Greatest deviation of a finished part, µm.
     worst_um: f64,
-    /// Least Cpk of the sizes of the drawing in the batches; none for fewer than two parts.
+    /// Least Cpk of the measured places in the batches; none for fewer than two parts.
     cpk: Option<f64>,
     first_s: f64,
     last_s: f64,
@@ -432,13 +465,14 @@ impl QualificationRow {
         let mut why: Vec<String> = parts.iter().filter_map(|part| part.why.clone()).collect();
         why.sort();
         why.dedup();
-        let drawing = &row.subject.part.drawing;
-        let of_size = |batch: &[GroundPart], index: usize| {
-            let found: Vec<f64> = batch.iter().filter_map(|part| *part.sizes_um.get(index)?).collect();
-            capability(&found, drawing[index].tolerance * 1_000.0)
+        let of_place = |batch: &[GroundPart], index: usize| {
+            let found: Vec<(f64, f64)> = batch.iter().filter_map(|part| part.places_um.get(index).copied()).collect();
+            let deviations: Vec<f64> = found.iter().map(|(um, _)| *um).collect();
+            capability(&deviations, found.first()?.1)
         };
+        let places = |batch: &[GroundPart]| batch.iter().map(|part| part.places_um.len()).max().unwrap_or_default();
         let capabilities =
-            batches.iter().flat_map(|batch| (0..drawing.len()).filter_map(|index| of_size(batch, index)));
+            batches.iter().flat_map(|batch| (0..places(batch)).filter_map(|index| of_place(batch, index)));
         Self {
             program: row.subject.name,
             machine: row.name.to_owned(),

@@ -48,10 +48,21 @@ pub struct Deviation {
 }
 
 impl DrawingSize {
+    /// Whether a gauge decides it: no offset and no size that is typed does.
+    #[must_use]
+    pub const fn is_gauged(&self) -> bool {
+        self.offset.is_none() && self.typed.is_none()
+    }
+
+    /// Whether a place belongs to it, mm.
+    #[must_use]
+    pub fn covers(&self, place_mm: f64) -> bool {
+        (self.from.min(self.to)..=self.from.max(self.to)).contains(&place_mm)
+    }
+
     /// Deviation of a measured value at a place, mm; `None` if it belongs to another size.
     fn deviation_mm(&self, feature: DrawingFeature, place: f64, found: f64) -> Option<f64> {
-        let range = self.from.min(self.to)..=self.from.max(self.to);
-        if feature != self.feature || !range.contains(&place) {
+        if feature != self.feature || !self.covers(place) {
             return None;
         }
         let length = self.to - self.from;
@@ -78,9 +89,15 @@ impl PartReport {
 
     /// A size with the mean deviation of what was measured there, mm; none where nothing was.
     fn mean_size(&self, drawing: &[DrawingSize], size: &DrawingSize) -> Option<f64> {
+        self.mean_deviation_mm(drawing, size).map(|off| size.size + off)
+    }
+
+    /// Mean deviation of what was measured at a size of the drawing, mm, with its sign; none where nothing was.
+    #[must_use]
+    pub fn mean_deviation_mm(&self, drawing: &[DrawingSize], size: &DrawingSize) -> Option<f64> {
         let off: Vec<f64> =
             self.deviations(drawing).filter(|(of, _)| std::ptr::eq(*of, size)).map(|(_, off)| off).collect();
-        (!off.is_empty()).then(|| size.size + off.iter().sum::<f64>() / off.len() as f64)
+        (!off.is_empty()).then(|| off.iter().sum::<f64>() / off.len() as f64)
     }
 
     /// How far the part is from its drawing; `None` if nothing of it was measured. A size that is not there is not kept.
@@ -101,6 +118,12 @@ impl PartReport {
             found.map(|(_, off)| off * 1_000.0).max_by(|a, b| a.abs().total_cmp(&b.abs()))
         };
         drawing.iter().map(of_size).collect()
+    }
+
+    /// Deviation of every measured place, with its sign, and the tolerance there, µm.
+    #[must_use]
+    pub fn place_deviations_um(&self, drawing: &[DrawingSize]) -> Vec<(f64, f64)> {
+        self.deviations(drawing).map(|(size, off)| (off * 1_000.0, size.tolerance * 1_000.0)).collect()
     }
 
     /// What an operator adds to the offsets after measuring the first part: number, axis and mm as displayed.

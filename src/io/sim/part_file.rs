@@ -409,6 +409,14 @@ impl PartFile {
         found.map(|(_, text)| Self::parse(text)).transpose()
     }
 
+    /// The gauge that decides a size of the drawing, to be set; none if no gauge does.
+    pub fn gauge_of_mut(&mut self, size: &DrawingSize) -> Option<&mut GaugeSetupFile> {
+        if !size.is_gauged() {
+            return None;
+        }
+        self.seat_gauges.iter_mut().find(|seat| size.covers(seat.z)).or(self.gauge.as_mut())
+    }
+
     /// The names of the programs that have a built-in part.
     pub fn builtin_names() -> impl Iterator<Item = &'static str> {
         BUILTIN.iter().map(|(name, _)| *name)
