@@ -18,11 +18,11 @@ use crate::defs::page::Page;
 use crate::defs::{param, program_number};
 use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
-use crate::io::sim::{MachineFile, PartFile, VARIATIONS};
+use crate::io::sim::{DrawingSize, MachineFile, PartFile, VARIATIONS};
 use crate::link::command::Command;
-use crate::link::part_result::{CorrectionAdvice, PartCommand};
+use crate::link::part_result::{CorrectionAdvice, NominalSize, PartCommand, PartResult};
 use crate::story::parse;
-use crate::units::Micros;
+use crate::units::{Axis, Micros};
 
 /// A cycle ends at a stop, and within a working day.
 const LIMITS: RunLimits = RunLimits { through_stops: false, longest: Micros::from_millis(8 * 3_600_000), once: false };
@@ -388,12 +388,39 @@ fn set_gauges(host: &mut HeadlessHost, subject: &Subject, part_file: &mut PartFi
     None
 }
 
-/// The operator measures the part and types what he finds on its page, else on the card of the last part, at the place that is
-/// farthest off; a correction that the card proposes is taken.
+/// The operator measures the part. What he finds he types on its page, else on the card of the last part; other sizes he
+/// corrects by their offset.
 fn measure(host: &mut HeadlessHost, part: &PartFile) {
     host.type_measured_size(part);
-    let result = host.snapshot().cycle.part.filter(|_| !part.has_typed_size());
-    let Some((result, nominal)) = result.and_then(|result| Some((result, result.nominal?))) else { return };
+    if part.has_typed_size() {
+        return;
+    }
+    match host.snapshot().cycle.part.and_then(|result| Some((result, result.nominal?))) {
+        Some((result, nominal)) => type_on_card(host, part, result, nominal),
+        None => correct_offsets(host, part),
+    }
+}
+
+/// Corrects the offsets of sizes that are off by more than half of their tolerance.
+fn correct_offsets(host: &mut HeadlessHost, part: &PartFile) {
+    let report = host.machine().measure();
+    let is_off = |size: &DrawingSize| {
+        let off = report.mean_deviation_mm(&part.drawing, size);
+        off.is_some_and(|off| off.abs() > size.tolerance / 2.0)
+    };
+    let corrections = report.corrections(&part.drawing);
+    let due = |(number, axis, _): &(u8, Axis, f64)| {
+        part.drawing.iter().any(|size| size.offset == Some((*number, *axis)) && is_off(size))
+    };
+    host.send(Command::OpenPage(Page::Offset));
+    for (number, axis, increment) in corrections.into_iter().filter(due) {
+        host.send(Command::AddWear { number: usize::from(number), axis, increment });
+    }
+    host.step();
+}
+
+/// Types the size of the place that is farthest off, and takes the correction that the card proposes.
+fn type_on_card(host: &mut HeadlessHost, part: &PartFile, result: PartResult, nominal: NominalSize) {
     let sizes = part.drawing.iter().zip(host.machine().measure().size_deviations_um(&part.drawing));
     let mut measured = sizes.filter(|(size, _)| (size.size - nominal.mm).abs() < 1e-9).filter_map(|(_, um)| um);
     let Some(um) = measured.next() else { return };
