@@ -307,10 +307,13 @@ impl RunReport {
     }
 }
 
-/// The measured diameters and faces of a part, one line each.
+/// The measured diameters, faces and roughness of a part, one line each.
 pub fn size_lines(part: &PartReport) -> impl Iterator<Item = String> {
     let diameters = part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d));
-    diameters.chain(part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z)))
+    let faces = part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z));
+    let roughness = part.roughness.iter();
+    let roughness = roughness.map(|of| format!("part surface {}  Ra {:.2} µm", of.surface + 1, of.ra_um));
+    diameters.chain(faces).chain(roughness)
 }
 
 /// Whether the part turns in a main spindle and tools cut it (L7, L8).

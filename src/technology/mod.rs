@@ -21,6 +21,7 @@ mod capability;
 mod dressing;
 mod material;
 mod plunge;
+mod roughness;
 
 pub use burn::burn_limit_mm2_s;
 pub use capability::{Capability, EwmaPoint, MIN_PARTS, capability, ewma};
@@ -30,3 +31,4 @@ pub use plunge::{
     Dressing, GrindingMachine, GrindingTask, MountedWheel, PlungePart, PlungeProposal, PlungeStage, ProposalLimit,
     TaskError, propose,
 };
+pub use roughness::{DressingPass, roughness_um};

@@ -78,6 +78,9 @@ fn p5_the_proposals_grind_three_materials_to_size_without_burn() {
             // A fifth of the tolerance of 20 µm.
             assert!((at["d"].as_f64().unwrap() - 40.0).abs() < 0.004, "{name}: {at}");
         }
+        // The wheel is dressed as proposed: the new one is, for Ra 0.4.
+        let ra = report["part"]["roughness"][0]["ra_um"].as_f64().unwrap();
+        assert!((0.15..=0.4).contains(&ra), "{name}: Ra {ra}");
         let shipped = run(*material, &[]);
         by_hand.push(burns(&shipped));
     }

@@ -304,10 +304,15 @@ fn p5_a_traverse_along_a_cylinder_grinds_all_of_it() {
 
 /// Past the diamond at a depth of so many mm below the new wheel's front.
 fn dress(rig: &mut Rig, depth: f64) {
+    dress_at(rig, depth, 200.0);
+}
+
+/// The same with a traverse feed, mm/min.
+fn dress_at(rig: &mut Rig, depth: f64, feed: f64) {
     // Diamond at machine X-160 Z-60: part radius 70, part Z 340; the wheel reaches 20 mm towards plus.
     rig.go(160.0, 345.0, 6_000.0);
     rig.go(140.0 - 2.0 * depth, 345.0, 1_000.0);
-    rig.go(140.0 - 2.0 * depth, 315.0, 200.0);
+    rig.go(140.0 - 2.0 * depth, 315.0, feed);
     rig.go(160.0, 315.0, 6_000.0);
 }
 
@@ -327,6 +332,28 @@ fn p6_dressing_takes_the_rim_back_and_sharpens_it() {
     plunge(&mut rig, 6.0);
     let (least, greatest) = size_um(&rig);
     assert!(least > 40.0 && greatest < 41.0, "{least} {greatest}");
+}
+
+/// 200 mm/min at 1000 rpm: lead 0.2 mm, 0.02 mm deep; 6 s of spark-out at v_s = π·0.6·1000/60 = 31.4 m/s:
+/// Ra = 113.3·√0.2·0.02^¼·(0.05/31416)^0.3 = 113.3·0.44721·0.37606·0.018220 = 0.347 µm. A quarter of the lead: a half.
+#[test]
+fn p6_the_lead_of_the_dressing_decides_the_roughness() {
+    let ra = |feed: f64, spark_out_s: f64| {
+        let mut rig = ready(1002);
+        rig.spin();
+        dress_at(&mut rig, 0.02, feed);
+        assert_eq!(rig.sim.measure().roughness, [], "the blank is not ground");
+        plunge(&mut rig, spark_out_s);
+        let found = rig.sim.measure().roughness;
+        assert_eq!((found.len(), found[0].surface), (1, 0), "{found:?}");
+        found[0].ra_um
+    };
+    let sparked_out = ra(200.0, 6.0);
+    assert!((sparked_out - 0.347).abs() < 0.007, "{sparked_out}");
+    assert!((ra(50.0, 6.0) / sparked_out - 0.5).abs() < 0.01);
+    // Without spark-out the last turns still remove π·40·0.005 = 0.63 mm²/s: (0.63/0.05)^0.3 = 2.14.
+    let fresh = ra(200.0, 0.0) / sparked_out;
+    assert!((fresh - 2.14).abs() < 0.05, "{fresh}");
 }
 
 #[test]

@@ -71,6 +71,8 @@ pub(super) struct Cut {
     pub dullness_factor: f64,
     /// Speed of the part under the wheel, mm/s; none where the wheel's side grinds a face that stands.
     pub work_mm_s: Option<f64>,
+    /// Share of the surface that has passed under the wheel.
+    pub passed_share: f64,
 }
 
 /// Share of the overlap removed in a tick: 1 − exp(−dt·(1/τ + v/λ)).

@@ -180,7 +180,7 @@ mod tests {
         let report = PartReport {
             diameters: vec![DiameterAt { z: 50.0, d: 40.398 }, DiameterAt { z: 90.0, d: 12.0 }],
             faces: vec![FaceAt { x: 50.0, z: 9.76 }],
-            heights: Vec::new(),
+            ..PartReport::default()
         };
         let found = report.deviation(&[CONE, face]).unwrap();
         assert!((found.worst_um + 2.0).abs() < 1e-6 && found.keeps, "{found:?}");

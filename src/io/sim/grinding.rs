@@ -21,12 +21,15 @@ use super::surface::{ContactFlags, Surface};
 use super::wheel::{GrindingWheel, Side};
 use crate::defs::grinding_workspace::{DresserShape, GrindingWorkspace};
 use crate::io::random::SplitMix64;
+use crate::technology::DressingPass;
 use crate::units::{Axis, MachinePos, PerAxis, Position, WorkPos};
 
 /// Time over which dressing cuts are summed, s: a dresser fed too fast into the rim breaks, however short the tick.
 const CUT_WINDOW_S: f64 = 0.1;
 /// Length of the holder of a diamond behind the wheel, mm.
 const HOLDER_MM: f64 = 60.0;
+/// Depth from which a stroke of the diamond is a pass of its own; a shallower one only touches what is left, mm.
+const LEAST_PASS_MM: f64 = 0.001;
 /// A slide that moved farther than this in one tick was placed, not driven, mm.
 const SWEEP_LIMIT_MM: f64 = 20.0;
 
@@ -383,6 +386,12 @@ impl Grinding {
                 if depth > 0.0 {
                     wheel.dress(slice, depth, sharpened.min(1.0));
                 }
+                if !is_roll && depth >= LEAST_PASS_MM && scene.wheel_m_s > 0.0 {
+                    let along_mm_s = scene.speed_mm_s[self.machine.layout.across].abs();
+                    let turns_s = 1_000.0 * scene.wheel_m_s / (std::f64::consts::TAU * wheel.radius_mm);
+                    let lead_mm = along_mm_s / turns_s;
+                    wheel.dressed_by = DressingPass { lead_mm, depth_mm: depth };
+                }
             }
         }
         false
@@ -441,6 +450,9 @@ fn contact_surface(
         && cut.specific_mm2 > 0.0
         && cut.specific_mm2 > burn_limit(cutting, &cut, scene.coolant_flows) * pass.dt_s;
     surface.contact.burnt |= burns;
+    if cut.specific_mm2 > 0.0 {
+        surface.finish.grind(cut.passed_share, wheel.dressed_by, cut.specific_mm2 / pass.dt_s, scene.wheel_m_s);
+    }
     ContactResult { cut, event: burns.then_some((EventKind::Burn, "part")), part_lost: false }
 }
 

@@ -6,6 +6,7 @@ use super::SimulatedMachine;
 use super::magnet::SimMagnet;
 use super::part_file::FaceDirection;
 use super::report::{PartReport, SimEvent};
+use super::roughness::SurfaceRoughness;
 use super::spindle::rpm_of;
 use super::surface::Surface;
 use crate::defs::grinding_workspace::GrindingWorkspace;
@@ -125,7 +126,10 @@ impl SimulatedMachine {
     #[must_use]
     pub fn measure(&self) -> PartReport {
         let mut report = self.measure_bar();
-        self.grinding.surfaces().iter().for_each(|surface| surface.report(&mut report));
+        for (surface, of) in self.grinding.surfaces().iter().enumerate() {
+            of.report(&mut report);
+            report.roughness.extend(of.finish.ra_um().map(|ra_um| SurfaceRoughness { surface, ra_um }));
+        }
         report
     }
 

@@ -32,6 +32,7 @@ mod part_file;
 mod plane;
 mod profile;
 mod report;
+mod roughness;
 mod scatter;
 mod spindle;
 mod surface;
@@ -74,6 +75,7 @@ pub use self::part_file::{
     SlidePosition, SurfaceFile, TailstockFile,
 };
 pub use self::report::{DiameterAt, EventKind, FaceAt, HeightAt, PartReport, SimEvent};
+pub use self::roughness::SurfaceRoughness;
 pub use self::thermal::ThermalFile;
 
 /// Longest step of the physics, µs; a longer tick is divided into several steps.

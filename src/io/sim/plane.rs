@@ -134,7 +134,9 @@ impl PlaneSurface {
         }
         let width = widest as f64 * self.z.cell_mm;
         let specific_mm2 = if widest > 0 { volume / width } else { 0.0 };
-        Cut { volume_mm3: volume, specific_mm2, dullness_factor: slower, work_mm_s: Some(pass.stroke_mm_s) }
+        let passed_share = pass.stroke_mm_s * pass.dt_s / self.x.length_mm() * width / self.z.length_mm();
+        let work_mm_s = Some(pass.stroke_mm_s);
+        Cut { volume_mm3: volume, specific_mm2, dullness_factor: slower, work_mm_s, passed_share }
     }
 
     /// Removes a share of the overlap in a column; returns the number of cells touched.

@@ -302,7 +302,8 @@ impl ProfileSurface {
             return Cut::default();
         }
         let work_mm_s = Some(way / touched * pass.part_turns_s);
-        Cut { volume_mm3: volume, specific_mm2: volume / touched, dullness_factor, work_mm_s }
+        let passed_share = pass.part_turns_s * pass.dt_s * touched / self.row.length_mm();
+        Cut { volume_mm3: volume, specific_mm2: volume / touched, dullness_factor, work_mm_s, passed_share }
     }
 
     /// Grinds a face with the side of the wheel: a wall `wall_mm` wide, which stroke and infeed both traverse, or a
@@ -332,7 +333,9 @@ impl ProfileSurface {
         let contact = wall_mm.unwrap_or_else(|| engaged.max(self.row.cell_mm));
         let turned_mm_s = way / engaged.max(self.row.cell_mm) * pass.part_turns_s;
         let work_mm_s = wall_mm.is_none().then_some(turned_mm_s);
-        Cut { volume_mm3: volume, specific_mm2: volume / contact, dullness_factor, work_mm_s }
+        let turns_s = if wall_mm.is_none() { pass.part_turns_s } else { pass.stroke_mm_s / contact };
+        let passed_share = turns_s * pass.dt_s * engaged / self.row.length_mm();
+        Cut { volume_mm3: volume, specific_mm2: volume / contact, dullness_factor, work_mm_s, passed_share }
     }
 
     /// Depth of a point inside the surface along its normal, mm; `None` outside or behind the surface.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::roughness::SurfaceRoughness;
 use crate::defs::part_defect::PartDefect;
 use crate::units::{Axis, MachinePos};
 
@@ -190,4 +191,6 @@ pub struct PartReport {
     pub faces: Vec<FaceAt>,
     /// Heights of planes: fifteen per plane; none on GC and GA.
     pub heights: Vec<HeightAt>,
+    /// Roughness of the surfaces that are ground; none of a bar.
+    pub roughness: Vec<SurfaceRoughness>,
 }

@@ -7,6 +7,7 @@ use super::part_file::{FaceDirection, SurfaceFile};
 use super::plane::PlaneSurface;
 use super::profile::ProfileSurface;
 use super::report::PartReport;
+use super::roughness::GroundFinish;
 use super::wheel::GrindingWheel;
 use crate::defs::grinding_workspace::PartSection;
 use crate::io::random::SplitMix64;
@@ -25,6 +26,7 @@ pub(super) struct Surface {
     cells: Cells,
     /// Flags of the present contact.
     pub(super) contact: ContactFlags,
+    pub(super) finish: GroundFinish,
 }
 
 #[derive(Clone, Debug)]
@@ -38,7 +40,7 @@ impl Surface {
     pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
         let line = ProfileSurface::new(file, chance).map(Cells::Profile);
         let cells = line.or_else(|| PlaneSurface::new(file, chance).map(Cells::Plane))?;
-        Some(Self { cells, contact: ContactFlags::default() })
+        Some(Self { cells, contact: ContactFlags::default(), finish: GroundFinish::of_blank() })
     }
 
     /// The cells of a surface with one dimension.
