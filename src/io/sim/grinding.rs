@@ -14,6 +14,7 @@ use super::machine_file::MachineFile;
 use super::machine_sections::{CuttingFile, DresserFile, LayoutFile};
 use super::obstacle::Obstacle;
 use super::part_file::{GaugeSetupFile, PartFile};
+use super::part_heat::PartHeat;
 use super::report::{EventKind, EventLog, SimEvent};
 use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
@@ -84,6 +85,7 @@ pub(super) struct Grinding {
     pub(super) diamond: Option<DiamondScatter>,
     /// The part was not held and was thrown out.
     part_lost: bool,
+    heat: PartHeat,
     /// Position of the stroke axis one tick ago, mm.
     previous_stroke_mm: f64,
     /// Load of the wheel motor, percent.
@@ -130,6 +132,7 @@ impl Grinding {
             probe_broken: false,
             diamond: None,
             part_lost: false,
+            heat: PartHeat::new(file.part_heat),
             previous_stroke_mm: f64::INFINITY,
             load_percent: 0.0,
             tangential_n: 0.0,
@@ -146,6 +149,7 @@ impl Grinding {
         self.seat_gauges.clear();
         self.part_lost = false;
         self.set_spindle(part);
+        self.heat.set_part(part);
         if let Some(part) = part {
             // Position of the slides with the reference point of a new wheel at the work zero.
             self.work_zero_mm = part.g54_mm.displacement();
@@ -219,7 +223,7 @@ impl Grinding {
         let gauge = self.seat_gauges.iter().find(|seat| covered.contains(&seat.z)).copied().or(self.gauge)?;
         let size = |s: &Surface| s.diameter_at(gauge.z).or_else(|| s.height_at(gauge.x, gauge.z));
         let found = self.surfaces().iter().find_map(size)?;
-        Some((found - gauge.set) * 1_000.0)
+        Some((found * self.heat.expansion() - gauge.set) * 1_000.0)
     }
 
     /// Position of the slides, part coordinates.
@@ -248,6 +252,8 @@ impl Grinding {
     fn wheel_motion(&mut self, scene: &MachineState) -> WheelMotion {
         let layout = self.machine.layout;
         let mut pass = layout.wheel_at(self.work_pos(scene));
+        // Surfaces are those of the cold part.
+        pass.front_mm /= self.heat.expansion();
         let far = (pass.stroke_mm - self.previous_stroke_mm).abs() > SWEEP_LIMIT_MM;
         pass.previous_stroke_mm = if far { pass.stroke_mm } else { self.previous_stroke_mm };
         self.previous_stroke_mm = pass.stroke_mm;
@@ -273,6 +279,7 @@ impl Grinding {
         if pass.front_mm - self.swivel_tan.abs() * wheel.width_mm >= self.highest_mm {
             self.surfaces.iter_mut().for_each(|surface| surface.contact = ContactFlags::default());
             self.obstacles.iter_mut().for_each(|obstacle| obstacle.touched = false);
+            self.heat.step(0.0, scene.coolant_flows, scene.dt_s);
             return crashed;
         }
         let (mut watts, mut lost) = (0.0, false);
@@ -286,6 +293,7 @@ impl Grinding {
             }
         }
         self.part_lost |= lost;
+        self.heat.step(watts, scene.coolant_flows, scene.dt_s);
         for index in 0..self.obstacles.len() {
             if self.obstacles[index].newly_touched(&pass, wheel, scene.tailstock_retracted_mm) {
                 crashed |= log.push(self.event(EventKind::Crash, self.obstacles[index].name(), scene));
@@ -385,16 +393,21 @@ impl Grinding {
                 let sharpened = if is_roll { depth / sharpens_mm } else { f64::from(u8::from(depth >= sharpens_mm)) };
                 if depth > 0.0 {
                     wheel.dress(slice, depth, sharpened.min(1.0));
-                }
-                if !is_roll && depth >= LEAST_PASS_MM && scene.wheel_m_s > 0.0 {
-                    let along_mm_s = scene.speed_mm_s[self.machine.layout.across].abs();
-                    let turns_s = 1_000.0 * scene.wheel_m_s / (std::f64::consts::TAU * wheel.radius_mm);
-                    let lead_mm = along_mm_s / turns_s;
-                    wheel.dressed_by = DressingPass { lead_mm, depth_mm: depth };
+                    self.keep_pass(scene, wheel, depth);
                 }
             }
         }
         false
+    }
+
+    /// Keeps how the diamond has gone over the rim, which decides the roughness of the part.
+    fn keep_pass(&self, scene: &MachineState, wheel: &mut GrindingWheel, depth_mm: f64) {
+        let is_roll = self.roll_width_mm > 0.0;
+        if !is_roll && depth_mm >= LEAST_PASS_MM && scene.wheel_m_s > 0.0 {
+            let along_mm_s = scene.speed_mm_s[self.machine.layout.across].abs();
+            let turns_s = 1_000.0 * scene.wheel_m_s / (std::f64::consts::TAU * wheel.radius_mm);
+            wheel.dressed_by = DressingPass { lead_mm: along_mm_s / turns_s, depth_mm };
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use super::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
     ScatterFile, SecondSpindleFile, ToolTurretFile, WheelFile,
 };
+use super::part_heat::PartHeatFile;
 use super::thermal::ThermalFile;
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
@@ -55,6 +56,8 @@ pub struct MachineFile {
     pub scatter: Option<ScatterFile>,
     /// Thermal growth of the wheel head; none on a machine that is always warm.
     pub thermal: Option<ThermalFile>,
+    /// Warming of the part; without it parts stay cold.
+    pub part_heat: Option<PartHeatFile>,
 }
 
 impl MachineFile {
@@ -84,6 +87,7 @@ impl MachineFile {
 
     pub(super) fn check(&self) -> Result<(), SimFileError> {
         self.thermal.map_or(Ok(()), |thermal| thermal.check())?;
+        self.part_heat.map_or(Ok(()), |heat| heat.check())?;
         for (axis, file) in self.axes(true).iter() {
             file.map_or(Ok(()), |file| file.check(&axis.letter().to_ascii_lowercase().to_string()))?;
         }

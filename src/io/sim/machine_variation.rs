@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::file_error::{SimFileError, require_not_negative, require_positive};
 use super::machine_file::MachineFile;
 use super::machine_sections::{AxisFile, ScatterFile, TablePoint};
+use super::part_heat::PartHeatFile;
 use super::thermal::ThermalFile;
 use crate::defs::kind::Kind;
 
@@ -17,7 +18,7 @@ macro_rules! variations {
 /// Names and texts of the variations that come with the control: what parts are qualified on (`kt830 qualify`).
 pub const VARIATIONS: &[(&str, &str)] = variations! {
     "stiff" "slender" "soft_wheel" "hard_wheel" "dulls_fast" "scatter" "backlash" "pitch" "slow_gauge" "burns"
-    "soft_servo" "drift" "worn"
+    "soft_servo" "drift" "hot_part" "worn"
 };
 
 /// Length over which a pitch error is given, mm.
@@ -49,6 +50,8 @@ pub struct MachineVariation {
     pub scatter: Option<ScatterFile>,
     /// Thermal growth.
     pub thermal: Option<ThermalFile>,
+    /// Warming of the part.
+    pub part_heat: Option<PartHeatFile>,
 }
 
 impl MachineVariation {
@@ -103,6 +106,7 @@ impl MachineVariation {
         }
         machine.scatter = self.scatter.or(machine.scatter);
         machine.thermal = self.thermal.or(machine.thermal);
+        machine.part_heat = self.part_heat.or(machine.part_heat);
     }
 
     fn vary_axis(&self, axis: &mut AxisFile) {

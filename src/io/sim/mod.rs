@@ -29,6 +29,7 @@ mod magnet;
 mod measure;
 mod obstacle;
 mod part_file;
+mod part_heat;
 mod plane;
 mod profile;
 mod report;
@@ -74,6 +75,7 @@ pub use self::part_file::{
     BarFile, BlockFile, BodyFile, BodyKind, FaceDirection, FinishedSizeFile, GaugeSetupFile, OffsetPreset, PartFile,
     SlidePosition, SurfaceFile, TailstockFile,
 };
+pub use self::part_heat::PartHeatFile;
 pub use self::report::{DiameterAt, EventKind, FaceAt, HeightAt, PartReport, SimEvent};
 pub use self::roughness::SurfaceRoughness;
 pub use self::thermal::ThermalFile;
