@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, require_positive, require_positive_fields as positive};
+use super::file_error::{SimFileError, require_not_negative, require_positive, require_positive_fields as positive};
 use super::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
     ScatterFile, SecondSpindleFile, ToolTurretFile, WheelFile,
@@ -108,6 +108,7 @@ impl MachineFile {
         let Self { wheel, hydraulics, cutting, .. } = self;
         positive!("wheel", wheel; diameter_mm width_mm rated_m_s mains_rpm run_up_s coast_down_s)?;
         positive!("wheel", wheel; power_w grinding_ratio)?;
+        require_not_negative("wheel.wear_exponent", wheel.wear_exponent)?;
         positive!("second_spindle", self.second_spindle; rpm run_up_s)?;
         positive!("hydraulics", hydraulics; time_constant_s gauge_arm_s oscillation_mm oscillation_mm_s)?;
         positive!("gauges.probe", self.gauges.probe; second_mm travel_mm)?;

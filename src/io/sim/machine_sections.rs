@@ -91,8 +91,11 @@ pub struct WheelFile {
     pub power_w: f64,
     /// Load of the idling wheel, percent.
     pub idle_load_percent: f64,
-    /// Grinding ratio G: removed part volume per worn wheel volume.
+    /// Grinding ratio G: removed part volume per worn wheel volume, at a removal rate of 1 mm³/(mm·s).
     pub grinding_ratio: f64,
+    /// g of G(Q'w) = G·Q'w^−g: how much more the wheel wears under load; 0: G is the same at every removal rate.
+    #[serde(default)]
+    pub wear_exponent: f64,
 }
 
 /// Drive of workhead, rotary table or dressing roll.

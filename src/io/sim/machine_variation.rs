@@ -18,7 +18,7 @@ macro_rules! variations {
 /// Names and texts of the variations that come with the control: what parts are qualified on (`kt830 qualify`).
 pub const VARIATIONS: &[(&str, &str)] = variations! {
     "stiff" "slender" "soft_wheel" "hard_wheel" "dulls_fast" "scatter" "backlash" "pitch" "slow_gauge" "burns"
-    "soft_servo" "drift" "hot_part" "worn"
+    "soft_servo" "drift" "hot_part" "soft_bond" "worn"
 };
 
 /// Length over which a pitch error is given, mm.
@@ -32,6 +32,8 @@ pub struct MachineVariation {
     pub contact_s: Option<f64>,
     /// Grinding ratio G.
     pub grinding_ratio: Option<f64>,
+    /// How much more the wheel wears under load: g of G(Q'w) = G·Q'w^−g.
+    pub wear_exponent: Option<f64>,
     /// Removed volume that makes a sharp wheel dull, as a factor.
     pub dulling: Option<f64>,
     /// Specific removal rate above which the part burns, mm³/(mm·s).
@@ -96,6 +98,7 @@ impl MachineVariation {
         cutting.dull_after_mm3 *= self.dulling.unwrap_or(1.0);
         set(&mut cutting.burn_mm2_s, self.burn_mm2_s);
         set(&mut machine.wheel.grinding_ratio, self.grinding_ratio);
+        set(&mut machine.wheel.wear_exponent, self.wear_exponent);
         set(&mut machine.gauges.noise_um, self.gauge_noise_um);
         set(&mut machine.gauges.delay_s, self.gauge_delay_s);
         // A stage must not chatter in the noise.

@@ -128,7 +128,7 @@ impl PlaneSurface {
             if gave > 0.0
                 && let Some(slice) = wheel.slice_at(self.z.middle(z) - pass.left_mm)
             {
-                wheel.wear_rim(slice, gave);
+                wheel.wear_rim(slice, gave, gave / (self.z.cell_mm * pass.dt_s));
                 volume += gave;
             }
         }

@@ -293,7 +293,7 @@ impl ProfileSurface {
             let share = if h > self.floor_mm[cell] { 0.5 } else { 1.0 };
             let cell_volume = share * 2.0 * PI * radius * self.row.cell_mm * depth;
             self.height_mm[cell] = h - depth;
-            wheel.wear_rim(slice, cell_volume);
+            wheel.wear_rim(slice, cell_volume, cell_volume / (self.row.cell_mm * pass.dt_s));
             volume += cell_volume;
             touched += self.row.cell_mm;
             way += 2.0 * PI * radius * self.row.cell_mm;
@@ -329,8 +329,8 @@ impl ProfileSurface {
             engaged += self.row.cell_mm;
             way += across * self.row.cell_mm;
         }
-        wheel.wear_side(side, engaged, volume);
         let contact = wall_mm.unwrap_or_else(|| engaged.max(self.row.cell_mm));
+        wheel.wear_side(side, engaged, volume, volume / (contact * pass.dt_s));
         let turned_mm_s = way / engaged.max(self.row.cell_mm) * pass.part_turns_s;
         let work_mm_s = wall_mm.is_none().then_some(turned_mm_s);
         let turns_s = if wall_mm.is_none() { pass.part_turns_s } else { pass.stroke_mm_s / contact };

@@ -2,7 +2,8 @@
 //! wear (P2, P6).
 //!
 //! Wear: removing a part volume V costs the wheel the volume V/G. On a slice of width b at diameter D the rim wears by
-//! V/(G·π·D·b); a side engaged to the depth e wears by V/(G·π·D·e).
+//! V/(G·π·D·b); a side engaged to the depth e wears by V/(G·π·D·e). Under load grains break out: G falls with the removal rate
+//! per width, G(Q'w) = G·Q'w^−g. Source: F. Klocke, Manufacturing Processes 2, 2009, section "tool wear".
 //! Dullness: 0 sharp to 1 dull, rising by V/`dull_after_mm3`; with it the time constant of the contact rises from
 //! `sharp_s` to `dull_s`. A pass of the diamond sharpens only the slices that it cuts.
 
@@ -37,6 +38,8 @@ pub(super) struct GrindingWheel {
     pub(super) width_mm: f64,
     slices_per_mm: f64,
     grinding_ratio: f64,
+    /// g of G(Q'w) = G·Q'w^−g.
+    wear_exponent: f64,
     /// Wear of a slice per removed volume, mm/mm³.
     rim_wear_per_mm3: f64,
     dullness_per_mm3: f64,
@@ -63,6 +66,7 @@ impl GrindingWheel {
             width_mm: file.width_mm,
             slices_per_mm: slice_mm.recip(),
             grinding_ratio: file.grinding_ratio,
+            wear_exponent: file.wear_exponent,
             rim_wear_per_mm3: (file.grinding_ratio * PI * file.diameter_mm * slice_mm).recip(),
             dullness_per_mm3: cutting.dull_after_mm3.recip(),
             rim_wear_mm: [0.0; SLICES],
@@ -142,17 +146,23 @@ impl GrindingWheel {
         time_constant_s / self.sharp_s
     }
 
-    /// Wears a slice of the rim by the volume that it removed.
-    pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64) {
-        self.rim_wear_mm[slice] += volume_mm3 * self.rim_wear_per_mm3;
-        self.rim_wear_sum_mm += volume_mm3 * self.rim_wear_per_mm3;
+    /// By how much more the wheel wears at a removal rate per width, mm³/(mm·s), than at 1 mm³/(mm·s).
+    fn wear_factor(&self, removal_mm2_s: f64) -> f64 {
+        if self.wear_exponent > 0.0 { removal_mm2_s.powf(self.wear_exponent) } else { 1.0 }
+    }
+
+    /// Wears a slice of the rim by the volume that it removed, at a removal rate per width, mm³/(mm·s).
+    pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64, removal_mm2_s: f64) {
+        let worn_mm = volume_mm3 * self.rim_wear_per_mm3 * self.wear_factor(removal_mm2_s);
+        self.rim_wear_mm[slice] += worn_mm;
+        self.rim_wear_sum_mm += worn_mm;
         self.rim_dullness = (self.rim_dullness + volume_mm3 * self.dullness_per_mm3).min(1.0);
     }
 
-    /// Wears a side, engaged to a depth along the infeed, by the volume that it removed.
-    pub(super) fn wear_side(&mut self, side: Side, engaged_mm: f64, volume_mm3: f64) {
+    /// Wears a side, engaged to a depth along the infeed, by the volume that it removed, at a removal rate per width.
+    pub(super) fn wear_side(&mut self, side: Side, engaged_mm: f64, volume_mm3: f64, removal_mm2_s: f64) {
         let ring = self.grinding_ratio * 2.0 * PI * self.radius_mm * engaged_mm.max(LEAST_ENGAGEMENT_MM);
-        self.side_wear_mm[side as usize] += volume_mm3 / ring;
+        self.side_wear_mm[side as usize] += volume_mm3 / ring * self.wear_factor(removal_mm2_s);
         let dull = &mut self.side_dullness[side as usize];
         *dull = (*dull + volume_mm3 * self.dullness_per_mm3).min(1.0);
     }
@@ -195,10 +205,22 @@ mod tests {
     fn p2_wear_is_the_removed_volume_over_the_grinding_ratio() {
         let mut wheel = wheel();
         for slice in 0..SLICES {
-            wheel.wear_rim(slice, 1_508.0 / SLICES as f64);
+            wheel.wear_rim(slice, 1_508.0 / SLICES as f64, 4.0);
         }
-        // 1508/(40·π·600·20) = 0.0010 mm of radius.
+        // 1508/(40·π·600·20) = 0.0010 mm of radius, at any removal rate.
         assert!((600.0 - wheel.diameter_mm() - 0.002).abs() < 1e-6, "{}", wheel.diameter_mm());
+    }
+
+    /// g = 0.5: at 4 mm³/(mm·s) G is half of that at 1, at 0.25 twice.
+    #[test]
+    fn p2_a_soft_bond_wears_more_under_load() {
+        let file = MachineFile::of_text("(wear_exponent: Some(0.5))", Kind::Gc).unwrap();
+        let worn_um = |removal_mm2_s: f64| {
+            let mut wheel = GrindingWheel::new(&file.wheel, &file.cutting);
+            (0..SLICES).for_each(|slice| wheel.wear_rim(slice, 1_508.0 / SLICES as f64, removal_mm2_s));
+            (600.0 - wheel.diameter_mm()) * 1_000.0
+        };
+        assert!([(0.25, 1.0), (1.0, 2.0), (4.0, 4.0)].iter().all(|(rate, um)| (worn_um(*rate) - um).abs() < 0.001));
     }
 
     #[test]
