@@ -341,27 +341,38 @@ fn set_up(
             return Ok(Some(first));
         }
         if subject.part.has_typed_size() {
-            host.type_measured_size(&subject.part);
-            // A program that corrects itself may stop for a first part that is out of tolerance.
-            host.machine_mut().set_part(Some(&subject.part));
-            if grind_part(host, subject).end == PartEnd::Stopped {
-                host.send(Command::Press(Key::Reset));
-                host.step();
-            } else {
-                host.type_measured_size(&subject.part);
-            }
-            return Ok(None);
-        }
-        host.send(Command::OpenPage(Page::Offset));
-        for (number, axis, increment) in host.machine().measure().corrections(&subject.part.drawing) {
-            host.send(Command::AddWear { number: usize::from(number), axis, increment });
-        }
-        host.step();
-        if let Some(refusal) = host.controller().refusal() {
-            return Err(CallError::new(format!("{}: the offset: {}", subject.name, refusal.en())));
+            type_first_sizes(host, subject);
+        } else {
+            correct_by_first_part(host, subject)?;
         }
     }
     Ok(set_gauges(host, subject, part_file))
+}
+
+/// Types the sizes of the first part, and grinds another one with them.
+fn type_first_sizes(host: &mut HeadlessHost, subject: &Subject) {
+    host.type_measured_size(&subject.part);
+    // A program that corrects itself may stop for a first part that is out of tolerance.
+    host.machine_mut().set_part(Some(&subject.part));
+    if grind_part(host, subject).end == PartEnd::Stopped {
+        host.send(Command::Press(Key::Reset));
+        host.step();
+    } else {
+        host.type_measured_size(&subject.part);
+    }
+}
+
+/// Corrects the offsets by the first part.
+fn correct_by_first_part(host: &mut HeadlessHost, subject: &Subject) -> Result<(), CallError> {
+    host.send(Command::OpenPage(Page::Offset));
+    for (number, axis, increment) in host.machine().measure().corrections(&subject.part.drawing) {
+        host.send(Command::AddWear { number: usize::from(number), axis, increment });
+    }
+    host.step();
+    match host.controller().refusal() {
+        Some(refusal) => Err(CallError::new(format!("{}: the offset: {}", subject.name, refusal.en()))),
+        None => Ok(()),
+    }
 }
 
 /// Sets each gauge by the mean of the first parts, as its zero screw is turned.
@@ -392,11 +403,9 @@ fn set_gauges(host: &mut HeadlessHost, subject: &Subject, part_file: &mut PartFi
 /// corrects by their offset.
 fn measure(host: &mut HeadlessHost, part: &PartFile) {
     host.type_measured_size(part);
-    if part.has_typed_size() {
-        return;
-    }
     match host.snapshot().cycle.part.and_then(|result| Some((result, result.nominal?))) {
         Some((result, nominal)) => type_on_card(host, part, result, nominal),
+        None if part.has_typed_size() => {}
         None => correct_offsets(host, part),
     }
 }
@@ -422,7 +431,8 @@ fn correct_offsets(host: &mut HeadlessHost, part: &PartFile) {
 /// Types the size of the place that is farthest off, and takes the correction that the card proposes.
 fn type_on_card(host: &mut HeadlessHost, part: &PartFile, result: PartResult, nominal: NominalSize) {
     let sizes = part.drawing.iter().zip(host.machine().measure().size_deviations_um(&part.drawing));
-    let mut measured = sizes.filter(|(size, _)| (size.size - nominal.mm).abs() < 1e-9).filter_map(|(_, um)| um);
+    let is_main = |size: &DrawingSize| size.typed.is_none() && (size.size - nominal.mm).abs() < 1e-9;
+    let mut measured = sizes.filter(|(size, _)| is_main(size)).filter_map(|(_, um)| um);
     let Some(um) = measured.next() else { return };
     let ended_at = result.ended_at;
     host.send(Command::Part(PartCommand::TypeSize { ended_at, mm: nominal.mm + um / 1_000.0 }));
