@@ -54,9 +54,9 @@ mod tests {
         let fine = DressingPass::of_overlap(0.02, 4.0);
         let ra = |pass, removal| roughness_um(pass, removal, 34.6);
         assert!((ra(fine, 0.5) - 0.400_2).abs() < 0.000_5, "{}", ra(fine, 0.5));
-        // Twice the lead: √2. A sixteenth of the depth: a half. Spark-out: 0.1^0.3 = 0.5012.
+        // Four times the lead: twice. A sixteenth of the depth: a half. Spark-out: 0.1^0.3 = 0.5012.
         let ratio = |pass, removal| ra(pass, removal) / ra(fine, 0.5);
-        assert!((ratio(DressingPass { lead_mm: 2.0 * fine.lead_mm, ..fine }, 0.5) - 1.414_2).abs() < 1e-4);
+        assert!((ratio(DressingPass { lead_mm: 4.0 * fine.lead_mm, ..fine }, 0.5) - 2.0).abs() < 1e-9);
         assert!((ratio(DressingPass { depth_mm: 0.02 / 16.0, ..fine }, 0.5) - 0.5).abs() < 1e-9);
         assert!((ratio(fine, 0.0) - 0.501_2).abs() < 1e-4);
         // Roughing at 5 mm³/(mm·s): 10^0.3 = 1.995.
