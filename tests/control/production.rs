@@ -117,7 +117,7 @@ fn b6_sizes_typed_on_the_page_judge_the_last_part() {
 fn b6_a_bore_that_is_typed_on_the_page_judges_its_part() {
     let mut rig = ready();
     rig.add_program(program_from_bytes(1_017, "O1017.NC", b"T0202\nG04 P100\nM31\nM30".to_vec(), rig.kind().dialect()));
-    tell(&mut rig, "load O1017\nset #880 = 40\nparam P377 -0.003\nparam P378 0.003\npage grinding");
+    tell(&mut rig, "load O1017\nset #880 = 40\nparam P377 0.003\nparam P378 -0.003\npage grinding");
     make(&mut rig);
     for (typed, verdict) in [("39.998", PartVerdict::Good), ("39.996", PartVerdict::Out { partly: false })] {
         tell(&mut rig, &format!("type #895 {typed}\nwait 0.1 s"));
