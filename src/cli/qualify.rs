@@ -22,7 +22,7 @@ use crate::io::sim::{DrawingSize, MachineFile, PartFile, VARIATIONS};
 use crate::link::command::Command;
 use crate::link::part_result::{CorrectionAdvice, NominalSize, PartCommand, PartResult};
 use crate::story::parse;
-use crate::units::{Axis, Micros};
+use crate::units::Micros;
 
 /// A cycle ends at a stop, and within a working day.
 const LIMITS: RunLimits = RunLimits { through_stops: false, longest: Micros::from_millis(8 * 3_600_000), once: false };
@@ -71,6 +71,8 @@ enum PartEnd {
     Good,
     /// Not within its drawing, and the control says so.
     Rejected,
+    /// Not within its drawing; the control knows it only by the size that the operator has measured and typed.
+    Found,
     /// Not within its drawing, and the control does not know it.
     Silent,
     /// Burnt, crashed or with a flat, whether an alarm has followed or not.
@@ -246,7 +248,7 @@ fn grind_all(
                     if ground.is_err() {
                         next.store(batches.len(), Ordering::Relaxed);
                     }
-                    // The receiver lives until all senders are gone.
+                    // Behind an error nobody receives it.
                     let _ = sender.send((at, ground));
                 }
             });
@@ -284,11 +286,13 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     while ground.len() < parts as usize {
         host.machine_mut().set_part(Some(&part_file));
         let mut part = grind_part(&mut host, subject);
-        measure(&mut host, &part_file);
-        if part.end == PartEnd::Silent && host.snapshot().cycle.part.is_some_and(|part| part.verdict(None).is_bad()) {
-            part.end = PartEnd::Rejected;
-        }
         let ends = part.end == PartEnd::Stopped;
+        if !ends {
+            measure(&mut host, subject.name, &part_file)?;
+        }
+        if part.end == PartEnd::Silent && host.snapshot().cycle.part.is_some_and(|part| part.verdict(None).is_bad()) {
+            part.end = PartEnd::Found;
+        }
         ground.push(part);
         if ends || !host.snapshot().alarms.is_empty() {
             break;
@@ -343,7 +347,7 @@ fn set_up(
         if subject.part.has_typed_size() {
             type_first_sizes(host, subject);
         } else {
-            correct_by_first_part(host, subject)?;
+            correct_offsets(host, subject.name, &subject.part, |_| true)?;
         }
     }
     Ok(set_gauges(host, subject, part_file))
@@ -359,19 +363,6 @@ fn type_first_sizes(host: &mut HeadlessHost, subject: &Subject) {
         host.step();
     } else {
         host.type_measured_size(&subject.part);
-    }
-}
-
-/// Corrects the offsets by the first part.
-fn correct_by_first_part(host: &mut HeadlessHost, subject: &Subject) -> Result<(), CallError> {
-    host.send(Command::OpenPage(Page::Offset));
-    for (number, axis, increment) in host.machine().measure().corrections(&subject.part.drawing) {
-        host.send(Command::AddWear { number: usize::from(number), axis, increment });
-    }
-    host.step();
-    match host.controller().refusal() {
-        Some(refusal) => Err(CallError::new(format!("{}: the offset: {}", subject.name, refusal.en()))),
-        None => Ok(()),
     }
 }
 
@@ -401,31 +392,39 @@ fn set_gauges(host: &mut HeadlessHost, subject: &Subject, part_file: &mut PartFi
 
 /// The operator measures the part. What he finds he types on its page, else on the card of the last part; other sizes he
 /// corrects by their offset.
-fn measure(host: &mut HeadlessHost, part: &PartFile) {
+fn measure(host: &mut HeadlessHost, name: &str, part: &PartFile) -> Result<(), CallError> {
     host.type_measured_size(part);
     match host.snapshot().cycle.part.and_then(|result| Some((result, result.nominal?))) {
         Some((result, nominal)) => type_on_card(host, part, result, nominal),
         None if part.has_typed_size() => {}
-        None => correct_offsets(host, part),
+        None => correct_offsets(host, name, part, |used| used > 0.5)?,
     }
+    Ok(())
 }
 
-/// Corrects the offsets of sizes that are off by more than half of their tolerance.
-fn correct_offsets(host: &mut HeadlessHost, part: &PartFile) {
+/// Corrects the offsets of sizes that have used up a share of their tolerance for which it is due.
+fn correct_offsets(
+    host: &mut HeadlessHost,
+    name: &str,
+    part: &PartFile,
+    due: fn(f64) -> bool,
+) -> Result<(), CallError> {
     let report = host.machine().measure();
     let is_off = |size: &DrawingSize| {
         let off = report.mean_deviation_mm(&part.drawing, size);
-        off.is_some_and(|off| off.abs() > size.tolerance / 2.0)
-    };
-    let corrections = report.corrections(&part.drawing);
-    let due = |(number, axis, _): &(u8, Axis, f64)| {
-        part.drawing.iter().any(|size| size.offset == Some((*number, *axis)) && is_off(size))
+        off.is_some_and(|off| due(off.abs() / size.tolerance))
     };
     host.send(Command::OpenPage(Page::Offset));
-    for (number, axis, increment) in corrections.into_iter().filter(due) {
-        host.send(Command::AddWear { number: usize::from(number), axis, increment });
+    for (number, axis, increment) in report.corrections(&part.drawing) {
+        if part.drawing.iter().any(|size| size.offset == Some((number, axis)) && is_off(size)) {
+            host.send(Command::AddWear { number: usize::from(number), axis, increment });
+        }
     }
     host.step();
+    match host.controller().refusal() {
+        Some(refusal) => Err(CallError::new(format!("{name}: the offset: {}", refusal.en()))),
+        None => Ok(()),
+    }
 }
 
 /// Types the size of the place that is farthest off, and takes the correction that the card proposes.
@@ -478,6 +477,7 @@ struct QualificationRow {
     parts: usize,
     good: usize,
     rejected: usize,
+    found: usize,
     silent: usize,
     spoilt: usize,
     stopped: usize,
@@ -516,6 +516,7 @@ impl QualificationRow {
             parts: parts.len(),
             good: count(PartEnd::Good),
             rejected: count(PartEnd::Rejected),
+            found: count(PartEnd::Found),
             silent: count(PartEnd::Silent),
             spoilt: count(PartEnd::Spoilt),
             stopped: count(PartEnd::Stopped),
@@ -532,12 +533,13 @@ impl QualificationRow {
     fn line(&self) -> String {
         let cpk = self.cpk.map_or_else(|| "-".to_owned(), |cpk| format!("{cpk:.2}"));
         let line = format!(
-            "{:<7} {:<11}{:>6}{:>6}{:>9}{:>8}{:>8}{:>9}{:>10.2}{:>7}{:>9.1}{:>9.1}  {}",
+            "{:<7} {:<11}{:>6}{:>6}{:>9}{:>7}{:>8}{:>8}{:>9}{:>10.2}{:>7}{:>9.1}{:>9.1}  {}",
             self.program,
             self.machine,
             self.parts,
             self.good,
             self.rejected,
+            self.found,
             self.silent,
             self.spoilt,
             self.stopped,
@@ -565,12 +567,13 @@ fn capability(deviations: &[f64], limit: f64) -> Option<f64> {
 /// The headings of the table.
 fn headings() -> String {
     format!(
-        "{:<7}{:<12}{:>6}{:>6}{:>9}{:>8}{:>8}{:>9}{:>10}{:>7}{:>9}{:>9}",
+        "{:<7}{:<12}{:>6}{:>6}{:>9}{:>7}{:>8}{:>8}{:>9}{:>10}{:>7}{:>9}{:>9}",
         "program",
         " machine",
         "parts",
         "good",
         "rejected",
+        "found",
         "silent",
         "spoilt",
         "stopped",
@@ -585,10 +588,11 @@ fn headings() -> String {
 fn sums(rows: &[QualificationRow]) -> String {
     let sum = |of: fn(&QualificationRow) -> usize| rows.iter().map(of).sum::<usize>();
     format!(
-        "{} parts: {} good, {} rejected, {} bad without a word, {} spoilt, {} stopped",
+        "{} parts: {} good, {} rejected, {} found by measuring, {} bad without a word, {} spoilt, {} stopped",
         sum(|row| row.parts),
         sum(|row| row.good),
         sum(|row| row.rejected),
+        sum(|row| row.found),
         sum(|row| row.silent),
         sum(|row| row.spoilt),
         sum(|row| row.stopped)

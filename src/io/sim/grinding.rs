@@ -402,9 +402,9 @@ impl Grinding {
 
     /// Keeps how the diamond has gone over the rim, which decides the roughness of the part.
     fn keep_pass(&self, scene: &MachineState, wheel: &mut GrindingWheel, depth_mm: f64) {
-        let is_roll = self.roll_width_mm > 0.0;
-        if !is_roll && depth_mm >= LEAST_PASS_MM && scene.wheel_m_s > 0.0 {
-            let along_mm_s = scene.speed_mm_s[self.machine.layout.across].abs();
+        let is_point = self.roll_width_mm <= 0.0 && self.diamond_radius_mm <= 0.0;
+        let along_mm_s = scene.speed_mm_s[self.machine.layout.across].abs();
+        if is_point && depth_mm >= LEAST_PASS_MM && scene.wheel_m_s > 0.0 && along_mm_s > 0.0 {
             let turns_s = 1_000.0 * scene.wheel_m_s / (std::f64::consts::TAU * wheel.radius_mm);
             wheel.dressed_by = DressingPass { lead_mm: along_mm_s / turns_s, depth_mm };
         }

@@ -1,11 +1,11 @@
-//! Warming of the part by grinding (P5): the land that is ground grows while it is hot, is ground to size hot, and is smaller
-//! when it is cold. Power P of the contact, its share s in the part, heat capacity C of the land, its surface A and the heat
+//! Warming of the part by grinding (P5): its lands grow while they are hot, are ground to size hot, and are smaller when they
+//! are cold. Power P of the contacts, its share s in the part, heat capacity C of the lands, their surface A and the heat
 //! transfer h to the coolant:
 //!
 //!   C·dT/dt = s·P − h·A·T,   size = cold size · (1 + α·T).
 //!
-//! Sizes of the report are those of the cold part, the gauge measures the warm one. DECISION: heat flows to the coolant, not
-//! along the part; a part that is ground inside and faces stay cold.
+//! Sizes of the report are those of the cold part, the gauge measures the warm one. DECISION: all lands of a part
+//! have one temperature, what is between them none; bores do not grow, faces do not move.
 //!
 //! Sources: S. Malkin, C. Guo, Grinding Technology, 2nd ed. 2008 (share of the heat in the part); steel: α = 11.5·10⁻⁶ 1/K,
 //! c·ρ = 3.6 MJ/(m³·K) (Dubbel, Handbook of Mechanical Engineering, section E).
