@@ -33,7 +33,6 @@ const SIGMAS: f64 = 3.0;
 
 /// Parts by whose mean a gauge is set.
 const GAUGE_PARTS: u8 = 3;
-
 /// R66 of the vertical lathe-grinder.
 const SIZE_GROUND_LAST: u16 = 666;
 
