@@ -14,7 +14,7 @@ use crate::defs::text::{Lang, LocalizedText, phrase};
 use crate::defs::variable_name;
 use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
-use crate::io::sim::{PartReport, WheelState};
+use crate::io::sim::{PartReport, ProcessState, WheelState};
 use crate::link::snapshot::{AlarmView, AxisView, Snapshot, VARIABLE_COUNT};
 use crate::link::thread_cut::ThreadCut;
 use crate::units::{MachinePos, Micros};
@@ -312,7 +312,10 @@ pub fn size_lines(part: &PartReport) -> impl Iterator<Item = String> {
     let diameters = part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d));
     let faces = part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z));
     let roughness = part.roughness.iter();
-    let roughness = roughness.map(|of| format!("part surface {}  Ra {:.2} µm", of.surface + 1, of.ra_um));
+    let roughness = roughness.map(|of| {
+        let wave = if of.waviness_um > 0.0 { format!("  waviness {:.2} µm", of.waviness_um) } else { String::new() };
+        format!("part surface {}  Ra {:.2} µm{wave}", of.surface + 1, of.ra_um)
+    });
     diameters.chain(faces).chain(roughness)
 }
 
@@ -382,7 +385,9 @@ fn trace_header(host: &HeadlessHost) -> String {
         host.controller().axes_present().map(|axis| format!("{what}_{axis}")).collect::<Vec<_>>().join(",")
     };
     let (set, actual) = (columns("set"), columns("actual"));
-    format!("seconds,{set},{actual},outputs,program,line,wheel_rpm,load_percent,tangential_n,normal_n,dullness")
+    let wheel = "wheel_rpm,load_percent,tangential_n,normal_n,dullness";
+    let process = "chip_w,ploughing_w,sliding_w,vibration_um,part_kelvin,head_growth_um,diamond_wear_um,gauge_um";
+    format!("seconds,{set},{actual},outputs,program,line,{wheel},{process}")
 }
 
 /// The line of `--trace` for the last tick.
@@ -394,6 +399,15 @@ fn trace_line(host: &HeadlessHost) -> String {
     let outputs: Vec<_> = control.output_set().iter().map(|output| output.id()).collect();
     let (seconds, outputs) = (host.now().as_secs_f64(), outputs.join(" "));
     let WheelState { rpm, load_percent, tangential_n, normal_n, dullness, .. } = host.machine().wheel();
-    let process = format!("{rpm:.1},{load_percent:.2},{tangential_n:.3},{normal_n:.3},{dullness:.4}");
-    format!("{seconds:.3},{set},{actual},{outputs},{},{},{process}", place.program, place.line)
+    let wheel = format!("{rpm:.1},{load_percent:.2},{tangential_n:.3},{normal_n:.3},{dullness:.4}");
+    let process = process_columns(&host.machine().process());
+    format!("{seconds:.3},{set},{actual},{outputs},{},{},{wheel},{process}", place.program, place.line)
+}
+
+/// The columns of `--trace` of the process beside the wheel; a gauge that is not at the part leaves its own empty.
+fn process_columns(process: &ProcessState) -> String {
+    let ProcessState { power_w: [chip, ploughing, sliding], vibration_um, part_kelvin, head_growth_um, .. } = *process;
+    let gauge = process.gauge_um.map_or_else(String::new, |um| format!("{um:.2}"));
+    let slow = format!("{part_kelvin:.3},{head_growth_um:.3},{:.3},{gauge}", process.diamond_wear_um);
+    format!("{chip:.1},{ploughing:.1},{sliding:.1},{vibration_um:.3},{slow}")
 }

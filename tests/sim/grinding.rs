@@ -334,6 +334,21 @@ fn p6_dressing_takes_the_rim_back_and_sharpens_it() {
     assert!(least > 40.0 && greatest < 41.0, "{least} {greatest}");
 }
 
+/// 0.02 mm of Ø600 by 20 mm are π·600·20·0.02 = 754 mm³; at 2 µm/cm³ the first stroke wears the diamond by 1.5 µm: the next one,
+/// 0.02 mm deeper, takes that much less. The control books both as 0.02 mm.
+#[test]
+fn p6_a_diamond_that_wears_leaves_a_larger_wheel() {
+    let mut rig = ready_with(1002, |machine, _| machine.dresser.as_mut().unwrap().wear_um_cm3 = 2.0);
+    rig.spin();
+    dress(&mut rig, 0.02);
+    dress(&mut rig, 0.04);
+    let larger = 1_000.0 * (rig.sim.wheel().diameter_mm - (600.0 - 0.08));
+    // Each stroke wears while it cuts: the mean of what was lost on its way, 1.51/2 behind the first, all of that and the half
+    // of the second behind the second: 2.2 µm of radius.
+    assert!((larger - 2.0 * 2.2).abs() < 0.2, "{larger} µm");
+    assert!((rig.sim.process().diamond_wear_um - 2.9).abs() < 0.15, "{}", rig.sim.process().diamond_wear_um);
+}
+
 /// 200 mm/min at 1000 rpm: lead 0.2 mm, 0.02 mm deep; 6 s of spark-out at v_s = π·0.6·1000/60 = 31.4 m/s:
 /// Ra = 113.3·√0.2·0.02^¼·(0.05/31416)^0.3 = 113.3·0.44721·0.37606·0.018220 = 0.347 µm. A quarter of the lead: a half.
 #[test]

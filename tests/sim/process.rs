@@ -1,8 +1,8 @@
 //! What grinding does beside removing stock: forces, heat, and what bends under them (rows P2, P5; issue "a good part,
 //! always", part B). The figures are calculated from the formulas of `io/sim/bending.rs` and `io/sim/heat.rs`.
 
-use kt830::defs::signal::Output;
-use kt830::io::sim::{EventKind, PartHeatFile, ShaftFile, SurfaceFile};
+use kt830::defs::signal::{Input, Output};
+use kt830::io::sim::{EventKind, PartHeatFile, ShaftFile, SurfaceFile, ThermalFile, VibrationFile};
 
 use crate::bench::{Rig, ready, ready_with};
 
@@ -189,4 +189,58 @@ fn p2_the_internal_spindle_has_a_wheel_of_its_own() {
     assert!((32.0 - kept.diameter_mm) * 1_000.0 > 0.4 && kept.dullness < 0.1, "the inner wheel waited: {kept:?}");
     rig.sim.set_part(Some(&shaft));
     assert!((rig.sim.wheel().dullness - 0.5).abs() < 1e-9, "so did the outer one");
+}
+
+/// 10 µm of chatter at 120 Hz: the rim comes 10 µm nearer than it is told, so that the land is up to 20 µm smaller; the
+/// deepest point of each wave cuts for a part of the time only, so that some of it is left after 20 s (25 time constants).
+#[test]
+fn p5_a_chattering_wheel_leaves_a_smaller_and_wavy_part() {
+    let ground = |amplitude_um: f64| {
+        let mut rig = ready_with(1002, |machine, _| {
+            machine.vibration = Some(VibrationFile {
+                unbalance_gmm: 0.0,
+                stiffness_n_um: 50.0,
+                chatter_um: amplitude_um,
+                chatter_growth: 0.0,
+                natural_hz: 120.0,
+            });
+        });
+        rig.spin();
+        rig.go(40.4, 29.0, 6_000.0);
+        rig.go(40.1, 29.0, 1.2);
+        rig.wait(20.0);
+        assert_eq!(rig.events(), []);
+        (1_000.0 * diameter(&rig, 39.0), rig.sim.measure().roughness[0].waviness_um)
+    };
+    let (still, wavy) = (ground(0.0), ground(10.0));
+    let smaller = still.0 - wavy.0;
+    assert!((14.0..=20.0).contains(&smaller), "{smaller} µm");
+    assert!(still.1.abs() < 1e-12 && (wavy.1 - 20.0).abs() < 0.1, "{} {}", still.1, wavy.1);
+}
+
+/// The gauge of O1002's part shows 1.5 µm too much once it is warm: its signals come when the part is 1.5 µm smaller. 0.6 mm/min are
+/// 20 µm of diameter a second; stage 2 lies 20 µm above the set size.
+#[test]
+fn p7_the_signals_of_a_gauge_that_drifts_come_late() {
+    let at_stage = |drift: Option<ThermalFile>| {
+        let mut rig = ready_with(1002, |machine, _| {
+            machine.gauges.drift = drift;
+            machine.gauges.noise_um = 0.0;
+        });
+        rig.switch(Output::RadialGauge, true);
+        rig.spin();
+        rig.wait(20.0);
+        rig.go(40.4, 29.0, 6_000.0);
+        for step in 0..2_500 {
+            rig.go(40.4 - 0.000_2 * f64::from(step), 29.0, 0.6);
+            if rig.input(Input::Gauge2) {
+                return 1_000.0 * diameter(&rig, 39.0);
+            }
+        }
+        panic!("no signal");
+    };
+    let drift = Some(ThermalFile { growth_um: 1.5, time_constant_s: 1.0 });
+    let late = at_stage(None) - at_stage(drift);
+    // It is looked at every 0.2 µm.
+    assert!((late - 1.5).abs() < 0.21, "{late} µm");
 }

@@ -2,7 +2,8 @@
 //! axial (plane) gauge signals that its tip touches, and that the tip is deflected to its second stage.
 //!
 //! Every signal follows its cause after a delay. DECISION: a stage switches off only `hysteresis_um` above its level,
-//! as in gauge amplifiers, so that noise gives one edge; a cause shorter than the delay gives no signal.
+//! as in gauge amplifiers, so that noise gives one edge; a cause shorter than the delay gives no signal. The value that the
+//! radial gauge shows lags by the delay in the first order; it drifts as the gauge warms, coolant on its tips makes it noisier.
 
 use super::machine_sections::GaugesFile;
 use crate::io::random::SplitMix64;
@@ -49,23 +50,33 @@ pub(super) struct Gauges {
     stages: [DelayedSignal; 4],
     touch: DelayedSignal,
     second_stage: DelayedSignal,
+    /// What the radial gauge shows too much, mm.
+    drift_mm: f64,
+    /// What it shows, µm above its set size; none with the arm retracted.
+    pub(super) shown_um: Option<f64>,
 }
 
 impl Gauges {
     /// Gauges without signals.
     pub(super) fn new(file: GaugesFile) -> Self {
         let idle = DelayedSignal::default();
-        Self { file, stages: [idle; 4], touch: idle, second_stage: idle }
+        Self { file, stages: [idle; 4], touch: idle, second_stage: idle, drift_mm: 0.0, shown_um: None }
     }
 
-    /// One tick.
-    pub(super) fn step(&mut self, found: GaugeContact, dt_s: f64, chance: &mut SplitMix64) {
+    /// One tick, with coolant on the tips or without.
+    pub(super) fn step(&mut self, found: GaugeContact, (dt_s, coolant_flows): (f64, bool), chance: &mut SplitMix64) {
+        self.drift_mm = self.file.drift.map_or(0.0, |drift| drift.step_mm(self.drift_mm, dt_s));
         let quiet = found.oversize_um.is_none() && found.probe_deflection_mm.is_none();
         if quiet && self.touch.is_idle() && self.second_stage.is_idle() && self.stages[0].is_idle() {
+            self.shown_um = None;
             return;
         }
         let delay_s = self.file.delay_s;
-        let over_um = found.oversize_um.map(|over| over + self.file.noise_um * (2.0 * chance.next_unit() - 1.0));
+        let noise_um = self.file.noise_um * if coolant_flows { self.file.coolant_noise } else { 1.0 };
+        let drift_um = 1_000.0 * self.drift_mm;
+        let over_um = found.oversize_um.map(|over| over + drift_um + noise_um * (2.0 * chance.next_unit() - 1.0));
+        let follows = if delay_s > 0.0 { -(-dt_s / delay_s).exp_m1() } else { 1.0 };
+        self.shown_um = over_um.map(|over| self.shown_um.map_or(over, |shown| shown + follows * (over - shown)));
         for (signal, stage_um) in self.stages.iter_mut().zip(self.file.stages_um) {
             let edge = stage_um + if signal.input { self.file.hysteresis_um } else { 0.0 };
             signal.step(over_um.is_some_and(|over| over <= edge), delay_s, dt_s);
@@ -113,7 +124,7 @@ mod tests {
         for tick in 0..120_000 {
             // 1 µm/s: 0.01 µm in the delay of 10 ms; the size is within the noise of a stage for one second.
             let over = 110.0 - 0.001 * f64::from(tick);
-            g.step(size(over), 0.001, &mut chance);
+            g.step(size(over), (0.001, false), &mut chance);
             for stage in 0..4 {
                 if g.stage(stage) != before[stage] {
                     edges[stage].push(over);
@@ -134,7 +145,7 @@ mod tests {
         let (mut edges, mut before) = (0, false);
         for _ in 0..60_000 {
             // The noise is above the stage half of the time and below it half of the time.
-            g.step(size(5.0), 0.001, &mut chance);
+            g.step(size(5.0), (0.001, false), &mut chance);
             edges += u32::from(g.stage(2) != before);
             before = g.stage(2);
         }
@@ -146,23 +157,23 @@ mod tests {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
         let pressed = |mm| GaugeContact { oversize_um: None, probe_deflection_mm: Some(mm) };
         for _ in 0..9 {
-            g.step(pressed(0.0), 0.001, &mut chance);
+            g.step(pressed(0.0), (0.001, false), &mut chance);
             assert!(!g.touching());
         }
-        g.step(pressed(0.0), 0.001, &mut chance);
+        g.step(pressed(0.0), (0.001, false), &mut chance);
         assert!(g.touching() && !g.second_stage());
-        (0..10).for_each(|_| g.step(pressed(2.1), 0.001, &mut chance));
+        (0..10).for_each(|_| g.step(pressed(2.1), (0.001, false), &mut chance));
         assert!(g.second_stage());
-        (0..10).for_each(|_| g.step(GaugeContact::default(), 0.001, &mut chance));
+        (0..10).for_each(|_| g.step(GaugeContact::default(), (0.001, false), &mut chance));
         assert!(!g.touching() && !g.second_stage());
     }
 
     #[test]
     fn p7_an_arm_that_goes_in_takes_its_signals_with_it() {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
-        (0..20).for_each(|_| g.step(size(-1.0), 0.001, &mut chance));
+        (0..20).for_each(|_| g.step(size(-1.0), (0.001, false), &mut chance));
         assert!((0..4).all(|stage| g.stage(stage)));
-        (0..10).for_each(|_| g.step(GaugeContact::default(), 0.001, &mut chance));
+        (0..10).for_each(|_| g.step(GaugeContact::default(), (0.001, false), &mut chance));
         assert!((0..4).all(|stage| !g.stage(stage)));
     }
 }

@@ -7,11 +7,13 @@
 //! was not held is lost and has no size; a crash trips the drives of all axes until the drives are switched off and the
 //! axes are at rest.
 
+use std::ops::Range;
+
 use super::bending::{Beam, Bending, LOWEST_FORCE_SPEED_M_S};
 use super::contact_law::{Cut, TraverseLengths, WheelMotion};
-use super::heat::{burn_limit, power_w};
+use super::heat::{ContactPower, burns};
 use super::machine_file::MachineFile;
-use super::machine_sections::{CuttingFile, DresserFile, LayoutFile};
+use super::machine_sections::{DresserFile, LayoutFile};
 use super::obstacle::Obstacle;
 use super::part_file::{GaugeSetupFile, PartFile};
 use super::part_heat::PartHeat;
@@ -19,10 +21,11 @@ use super::report::{EventKind, EventLog, SimEvent};
 use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
 use super::surface::{ContactFlags, Surface};
+use super::vibration::Vibration;
 use super::wheel::{GrindingWheel, Side};
 use crate::defs::grinding_workspace::{DresserShape, GrindingWorkspace};
 use crate::io::random::SplitMix64;
-use crate::technology::DressingPass;
+use crate::technology::{DressingPass, roughness_um};
 use crate::units::{Axis, MachinePos, PerAxis, Position, WorkPos};
 
 /// Time over which dressing cuts are summed, s: a dresser fed too fast into the rim breaks, however short the tick.
@@ -31,6 +34,8 @@ const CUT_WINDOW_S: f64 = 0.1;
 const HOLDER_MM: f64 = 60.0;
 /// Depth from which a stroke of the diamond is a pass of its own; a shallower one only touches what is left, mm.
 const LEAST_PASS_MM: f64 = 0.001;
+/// Time after the last contact in which the wheel head chatters, s. DECISION: some tens of its waves.
+const CHATTER_S: f64 = 0.2;
 /// A slide that moved farther than this in one tick was placed, not driven, mm.
 const SWEEP_LIMIT_MM: f64 = 20.0;
 
@@ -75,19 +80,28 @@ pub(super) struct Grinding {
     swivel_tan: f64,
     /// What bends: the part, or the quill of an internal grinding spindle.
     beam: Option<Beam>,
-    /// The dresser of the spindle that is swung in.
+    /// The dresser of the spindle that is swung in, and its index in `diamond_wear_mm`.
     dresser: Option<DresserFile>,
+    diamond_in_use: usize,
     dresser_broken: bool,
     /// Depth that the dresser has cut within `CUT_WINDOW_S`, mm.
     recent_cut_mm: f64,
     probe_broken: bool,
     /// Random depth of the diamond, stroke by stroke.
     pub(super) diamond: Option<DiamondScatter>,
+    /// Wear of the diamonds of the wheel head and of the internal spindle, mm.
+    diamond_wear_mm: [f64; 2],
     /// The part was not held and was thrown out.
     part_lost: bool,
     heat: PartHeat,
     /// Position of the stroke axis one tick ago, mm.
     previous_stroke_mm: f64,
+    /// When chatter dies away, s: some waves leave the part before they cut it again.
+    chatters_until_s: f64,
+    /// Vibration of the wheel in this tick.
+    pub(super) vibration: Vibration,
+    /// What the contacts take from the wheel motor.
+    pub(super) power: ContactPower,
     /// Load of the wheel motor, percent.
     pub(super) load_percent: f64,
     /// Tangential force on the part, N.
@@ -127,13 +141,18 @@ impl Grinding {
             swivel_tan: 0.0,
             beam: None,
             dresser: file.dresser.clone(),
+            diamond_in_use: 0,
             dresser_broken: false,
             recent_cut_mm: 0.0,
             probe_broken: false,
             diamond: None,
+            diamond_wear_mm: [0.0; 2],
             part_lost: false,
             heat: PartHeat::new(file.part_heat),
             previous_stroke_mm: f64::INFINITY,
+            chatters_until_s: 0.0,
+            vibration: Vibration::default(),
+            power: ContactPower::default(),
             load_percent: 0.0,
             tangential_n: 0.0,
             removes: false,
@@ -176,9 +195,20 @@ impl Grinding {
     fn set_spindle(&mut self, part: Option<&PartFile>) {
         let outer = self.machine.dresser.as_ref();
         let internal = part.and_then(|part| part.internal_spindle.as_ref());
+        self.diamond_in_use = usize::from(internal.is_some());
         self.dresser = internal.map_or_else(|| outer.cloned(), |file| outer.map(|outer| file.dresser(outer)));
         let shaft = part.and_then(|part| part.shaft.as_ref());
         self.beam = internal.map(Beam::of_quill).or_else(|| shaft.map(Beam::of_shaft));
+    }
+
+    /// Wear of the diamond in use, mm.
+    pub(super) fn diamond_wear_mm(&self) -> f64 {
+        self.diamond_wear_mm[self.diamond_in_use]
+    }
+
+    /// How far the part is warmer than the coolant, K.
+    pub(super) const fn part_kelvin(&self) -> f64 {
+        self.heat.kelvin
     }
 
     /// The surfaces to be measured; empty once the part is lost.
@@ -248,10 +278,19 @@ impl Grinding {
         }
     }
 
+    /// The vibration of the wheel in this tick; it chatters while it cuts.
+    fn vibrate(&mut self, scene: &MachineState, wheel: &GrindingWheel) {
+        let turns_s = wheel.turns_s(scene.wheel_m_s);
+        self.vibration = self.machine.vibration.map_or_else(Vibration::default, |file| {
+            Vibration::at(&file, scene.seconds, (turns_s, wheel.rim_dullness), scene.seconds < self.chatters_until_s)
+        });
+    }
+
     /// Position and motion of the wheel, part coordinates.
     fn wheel_motion(&mut self, scene: &MachineState) -> WheelMotion {
         let layout = self.machine.layout;
         let mut pass = layout.wheel_at(self.work_pos(scene));
+        pass.front_mm -= self.vibration.towards_mm;
         // Surfaces are those of the cold part.
         pass.front_mm /= self.heat.expansion();
         let far = (pass.stroke_mm - self.previous_stroke_mm).abs() > SWEEP_LIMIT_MM;
@@ -271,7 +310,9 @@ impl Grinding {
     /// Processes the contacts of one tick; true if something crashed.
     pub(super) fn step(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
         self.load_percent = if scene.wheel.rpm > 0.0 { self.machine.wheel.idle_load_percent } else { 0.0 };
+        self.vibrate(scene, wheel);
         (self.removes, self.grinds, self.tangential_n) = (false, false, 0.0);
+        self.power = ContactPower::default();
         let pass = self.wheel_motion(scene);
         let mut crashed = self.dress(scene, wheel, log);
         crashed |= self.check_part_held(scene, log);
@@ -282,17 +323,18 @@ impl Grinding {
             self.heat.step(0.0, scene.coolant_flows, scene.dt_s);
             return crashed;
         }
-        let (mut watts, mut lost) = (0.0, false);
+        let mut lost = false;
         for index in 0..if self.part_lost { 0 } else { self.surfaces.len() } {
-            let met = contact_surface(&mut self.surfaces[index], &pass, wheel, &self.machine.cutting, scene);
+            let met = self.contact_surface(index, &pass, wheel, scene);
             self.grinds |= met.cut.volume_mm3 > 0.0;
-            watts += power_w(&self.machine.cutting, &met.cut, scene.dt_s);
+            self.power += ContactPower::of_cut(&self.machine.cutting, &met.cut, scene.wheel_m_s, scene.dt_s);
             lost |= met.part_lost;
             if let Some((kind, place)) = met.event {
                 crashed |= log.push(self.event(kind, place, scene)) && kind == EventKind::Crash;
             }
         }
         self.part_lost |= lost;
+        let watts = self.power.whole_w();
         self.heat.step(watts, scene.coolant_flows, scene.dt_s);
         for index in 0..self.obstacles.len() {
             if self.obstacles[index].newly_touched(&pass, wheel, scene.tailstock_retracted_mm) {
@@ -301,6 +343,7 @@ impl Grinding {
         }
         self.removes |= self.grinds;
         if self.grinds {
+            self.chatters_until_s = scene.seconds + CHATTER_S;
             self.load_percent += 100.0 * watts / self.machine.wheel.power_w;
             self.tangential_n = watts / scene.wheel_m_s.max(LOWEST_FORCE_SPEED_M_S);
         }
@@ -346,7 +389,7 @@ impl Grinding {
         let (both, off) = (wheel.radius_mm + self.roll_radius_mm, at.stroke_mm - dresser.stroke_mm);
         let lift = both - (both * both - off * off).max(0.0).sqrt();
         let towards = if dresser.behind { -1.0 } else { 1.0 };
-        let deeper = self.diamond.as_ref().map_or(0.0, |diamond| diamond.extra_depth_mm);
+        let deeper = self.diamond.as_ref().map_or(0.0, |diamond| diamond.extra_depth_mm) - self.diamond_wear_mm();
         // The rim of a swivelled wheel is set back at the dresser's position along it.
         let back = self.swivel_tan * (dresser.across_mm - at.left_mm);
         let reach = towards * (dresser.infeed_mm - at.front_mm + back) - lift + deeper;
@@ -375,7 +418,7 @@ impl Grinding {
         if depth <= 0.0 || self.dresser_broken {
             return false;
         }
-        let (crash_mm, sharpens_mm, is_roll) = (dresser.crash_mm, dresser.sharpens_mm, dresser.roll.is_some());
+        let (crash_mm, is_roll) = (dresser.crash_mm, dresser.roll.is_some());
         let roll_stands = is_roll && scene.roll_rpm < self.machine.cutting.part_stands_rpm;
         let standing = !scene.wheel.can_cut() || roll_stands;
         self.recent_cut_mm += if standing { 0.0 } else { depth };
@@ -386,18 +429,33 @@ impl Grinding {
             return log.push(self.event(EventKind::Crash, place, scene));
         }
         if !standing {
-            self.removes = true;
-            for slice in slices {
-                let depth = reach_at(wheel, slice) - wheel.rim_wear_mm[slice];
-                // A diamond cuts a slice at full depth in one pass; a roll is fed in gradually.
-                let sharpened = if is_roll { depth / sharpens_mm } else { f64::from(u8::from(depth >= sharpens_mm)) };
-                if depth > 0.0 {
-                    wheel.dress(slice, depth, sharpened.min(1.0));
-                    self.keep_pass(scene, wheel, depth);
-                }
-            }
+            self.cut_slices(scene, wheel, slices, reach_at);
         }
         false
+    }
+
+    /// Cuts these slices of the rim, each as deep as the dresser reaches there.
+    fn cut_slices(
+        &mut self,
+        scene: &MachineState,
+        wheel: &mut GrindingWheel,
+        slices: Range<usize>,
+        reach_at: impl Fn(&GrindingWheel, usize) -> f64,
+    ) {
+        let Some(dresser) = &self.dresser else { return };
+        let (sharpens_mm, wear_um_cm3, is_roll) = (dresser.sharpens_mm, dresser.wear_um_cm3, dresser.roll.is_some());
+        self.removes = true;
+        for slice in slices {
+            let depth = reach_at(wheel, slice) - wheel.rim_wear_mm[slice];
+            // A diamond cuts a slice at full depth in one pass; a roll is fed in gradually.
+            let sharpened = if is_roll { depth / sharpens_mm } else { f64::from(u8::from(depth >= sharpens_mm)) };
+            if depth > 0.0 {
+                wheel.dress(slice, depth, sharpened.min(1.0));
+                // µm/cm³ = 10⁻⁶ mm/mm³.
+                self.diamond_wear_mm[self.diamond_in_use] += 1e-6 * wear_um_cm3 * wheel.slice_volume_mm3(depth);
+                self.keep_pass(scene, wheel, depth);
+            }
+        }
     }
 
     /// Keeps how the diamond has gone over the rim, which decides the roughness of the part.
@@ -405,9 +463,59 @@ impl Grinding {
         let is_point = self.roll_width_mm <= 0.0 && self.diamond_radius_mm <= 0.0;
         let along_mm_s = scene.speed_mm_s[self.machine.layout.across].abs();
         if is_point && depth_mm >= LEAST_PASS_MM && scene.wheel_m_s > 0.0 && along_mm_s > 0.0 {
-            let turns_s = 1_000.0 * scene.wheel_m_s / (std::f64::consts::TAU * wheel.radius_mm);
-            wheel.dressed_by = DressingPass { lead_mm: along_mm_s / turns_s, depth_mm };
+            let lead_mm = along_mm_s / wheel.turns_s(scene.wheel_m_s);
+            wheel.dressed_by = DressingPass { lead_mm, depth_mm };
         }
+    }
+
+    /// Contact with one surface in one tick.
+    fn contact_surface(
+        &mut self,
+        index: usize,
+        pass: &WheelMotion,
+        wheel: &mut GrindingWheel,
+        scene: &MachineState,
+    ) -> ContactResult {
+        let (surface, cutting) = (&mut self.surfaces[index], &self.machine.cutting);
+        let overlap = surface.overlap_mm(pass, wheel);
+        if overlap <= 0.0 {
+            surface.contact = ContactFlags::default();
+            return ContactResult::default();
+        }
+        if surface.contact.crashed {
+            return ContactResult::default();
+        }
+        let tell = |kind, place| ContactResult { event: Some((kind, place)), ..ContactResult::default() };
+        if overlap > cutting.crash_mm {
+            surface.contact.crashed = true;
+            return tell(EventKind::Crash, "part");
+        }
+        if !scene.wheel.can_cut() {
+            if overlap > cutting.crash_standing_mm {
+                surface.contact.crashed = true;
+                return tell(EventKind::Crash, "part, wheel stopped");
+            }
+            return ContactResult::default();
+        }
+        if !scene.part_held {
+            surface.contact.crashed = true;
+            return ContactResult { part_lost: true, ..tell(EventKind::Crash, "part, not held") };
+        }
+        if surface.needs_rotation() && scene.part_rpm < cutting.part_stands_rpm {
+            if overlap > cutting.flat_mm && !surface.contact.flat {
+                surface.contact.flat = true;
+                return tell(EventKind::Flat, surface.place_when_stopped(scene.on_table));
+            }
+            return ContactResult::default();
+        }
+        let cut = surface.grind(pass, wheel);
+        let burnt = !surface.contact.burnt && burns(cutting, &cut, (scene.wheel_m_s, scene.dt_s), scene.coolant_flows);
+        surface.contact.burnt |= burnt;
+        if cut.specific_mm2 > 0.0 {
+            let ra_um = roughness_um(wheel.dressed_by, cut.specific_mm2 / pass.dt_s, scene.wheel_m_s);
+            surface.finish.grind(cut.passed_share, ra_um, 2.0 * self.vibration.amplitude_um);
+        }
+        ContactResult { cut, event: burnt.then_some((EventKind::Burn, "part")), part_lost: false }
     }
 }
 
@@ -418,55 +526,6 @@ struct ContactResult {
     event: Option<(EventKind, &'static str)>,
     /// The part was not held.
     part_lost: bool,
-}
-
-fn contact_surface(
-    surface: &mut Surface,
-    pass: &WheelMotion,
-    wheel: &mut GrindingWheel,
-    cutting: &CuttingFile,
-    scene: &MachineState,
-) -> ContactResult {
-    let overlap = surface.overlap_mm(pass, wheel);
-    if overlap <= 0.0 {
-        surface.contact = ContactFlags::default();
-        return ContactResult::default();
-    }
-    if surface.contact.crashed {
-        return ContactResult::default();
-    }
-    let tell = |kind, place| ContactResult { event: Some((kind, place)), ..ContactResult::default() };
-    if overlap > cutting.crash_mm {
-        surface.contact.crashed = true;
-        return tell(EventKind::Crash, "part");
-    }
-    if !scene.wheel.can_cut() {
-        if overlap > cutting.crash_standing_mm {
-            surface.contact.crashed = true;
-            return tell(EventKind::Crash, "part, wheel stopped");
-        }
-        return ContactResult::default();
-    }
-    if !scene.part_held {
-        surface.contact.crashed = true;
-        return ContactResult { part_lost: true, ..tell(EventKind::Crash, "part, not held") };
-    }
-    if surface.needs_rotation() && scene.part_rpm < cutting.part_stands_rpm {
-        if overlap > cutting.flat_mm && !surface.contact.flat {
-            surface.contact.flat = true;
-            return tell(EventKind::Flat, surface.place_when_stopped(scene.on_table));
-        }
-        return ContactResult::default();
-    }
-    let cut = surface.grind(pass, wheel);
-    let burns = !surface.contact.burnt
-        && cut.specific_mm2 > 0.0
-        && cut.specific_mm2 > burn_limit(cutting, &cut, scene.coolant_flows) * pass.dt_s;
-    surface.contact.burnt |= burns;
-    if cut.specific_mm2 > 0.0 {
-        surface.finish.grind(cut.passed_share, wheel.dressed_by, cut.specific_mm2 / pass.dt_s, scene.wheel_m_s);
-    }
-    ContactResult { cut, event: burns.then_some((EventKind::Burn, "part")), part_lost: false }
 }
 
 impl LayoutFile {

@@ -1,12 +1,20 @@
 //! Specific energy and heat of a contact (P2, P5): power of the wheel motor, forces, burn.
 //!
-//! The specific energy of a dull wheel is that of a sharp one times the factor by which its contact is slower, because the
-//! time constant is the force per infeed (`bending`): wear flats rub and remove nothing (S. Malkin, N. H. Cook, J. Eng. Ind.
-//! 93 (1971) 1120: both forces grow in proportion to the wear flats).
+//! The specific energy u has three parts: of the chips, of ploughing, of sliding. With the removal rate per width Q'w, the wheel
+//! speed v_s and the factor δ by which the contact of a dull wheel is slower than that of a sharp one:
+//!
+//!   u = u_ch + F'_pl·v_s/Q'w + (u_0 − u_ch)·δ.
+//!
+//! Chips take the same energy whatever the wheel is like (13.8 J/mm³ of steel), ploughing the same force per width (about
+//! 1 N/mm): it is what makes small removal rates costly. Sliding grows with δ, because the time constant is the force per
+//! infeed (`bending`): wear flats rub and remove nothing. Sources: S. Malkin, C. Guo, Grinding Technology, 2nd ed. 2008,
+//! chapter "Grinding mechanisms"; S. Malkin, N. H. Cook, J. Eng. Ind. 93 (1971) 1120.
 //!
 //! A sharp wheel burns the part under coolant at the removal rate of the machine file, at its work speed. For another energy
 //! and work speed it is the law of Malkin and Lenz (`technology::burn_limit_mm2_s`): a dull wheel burns earlier, and so do a slow part and a dry contact. The equivalent diameter is
 //! that for which the machine file's limit holds.
+
+use std::ops::AddAssign;
 
 use super::contact_law::Cut;
 use super::machine_sections::CuttingFile;
@@ -18,26 +26,61 @@ const DRY_FACTOR: f64 = 0.85 / 0.65;
 /// Lowest work speed used, as a share of that of the burn limit: a table that reverses does not burn.
 const LEAST_WORK_SHARE: f64 = 0.1;
 
-/// Specific energy of a contact, J/mm³.
-fn specific_energy_j_mm3(cutting: &CuttingFile, cut: &Cut) -> f64 {
-    cutting.energy_j_mm3 * cut.dullness_factor
+/// Power that a contact takes from the wheel motor, W, by what it is spent on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ContactPower {
+    pub chip_w: f64,
+    pub ploughing_w: f64,
+    pub sliding_w: f64,
 }
 
-/// Power that a contact takes from the wheel motor, W.
-pub(super) fn power_w(cutting: &CuttingFile, cut: &Cut, dt_s: f64) -> f64 {
-    // J/mm³ · mm³/s = W.
-    specific_energy_j_mm3(cutting, cut) * cut.volume_mm3 / dt_s
+impl ContactPower {
+    /// Of a cut within a tick.
+    pub(super) fn of_cut(cutting: &CuttingFile, cut: &Cut, wheel_m_s: f64, dt_s: f64) -> Self {
+        if cut.specific_mm2 <= 0.0 {
+            return Self::default();
+        }
+        // J/mm³ · mm³/s = W; N/mm · mm · m/s = W.
+        let (rate, width_mm) = (cut.volume_mm3 / dt_s, cut.volume_mm3 / cut.specific_mm2);
+        Self {
+            chip_w: cutting.chip_j_mm3 * rate,
+            ploughing_w: cutting.ploughing_n_mm * width_mm * wheel_m_s,
+            sliding_w: (cutting.energy_j_mm3 - cutting.chip_j_mm3) * cut.dullness_factor * rate,
+        }
+    }
+
+    pub(super) fn whole_w(self) -> f64 {
+        self.chip_w + self.ploughing_w + self.sliding_w
+    }
 }
 
-/// Removal rate per width from which a contact burns the part, mm³/(mm·s).
-pub(super) fn burn_limit(cutting: &CuttingFile, cut: &Cut, coolant_flows: bool) -> f64 {
+impl AddAssign for ContactPower {
+    fn add_assign(&mut self, more: Self) {
+        self.chip_w += more.chip_w;
+        self.ploughing_w += more.ploughing_w;
+        self.sliding_w += more.sliding_w;
+    }
+}
+
+/// Whether a cut within a tick burns the part.
+pub(super) fn burns(cutting: &CuttingFile, cut: &Cut, (wheel_m_s, dt_s): (f64, f64), coolant_flows: bool) -> bool {
+    if cut.specific_mm2 <= 0.0 {
+        return false;
+    }
+    let power = ContactPower::of_cut(cutting, cut, wheel_m_s, dt_s);
+    let heat_j_mm3 = power.whole_w() * dt_s / cut.volume_mm3 * if coolant_flows { 1.0 } else { DRY_FACTOR };
+    cut.specific_mm2 > burn_limit(cutting, heat_j_mm3, cut.work_mm_s, wheel_m_s) * dt_s
+}
+
+/// Removal rate per width from which a contact burns the part, mm³/(mm·s), for the energy that heats it as under coolant.
+fn burn_limit(cutting: &CuttingFile, heat_j_mm3: f64, work_mm_s: Option<f64>, wheel_m_s: f64) -> f64 {
     let reference = cutting.burn_work_mm_s.unwrap_or(1.0);
-    let turns = cutting.burn_work_mm_s.and(cut.work_mm_s);
+    let turns = cutting.burn_work_mm_s.and(work_mm_s);
     let work = turns.map_or(reference, |mm_s| mm_s.max(LEAST_WORK_SHARE * reference));
-    let heat = specific_energy_j_mm3(cutting, cut) * if coolant_flows { 1.0 } else { DRY_FACTOR };
-    // The equivalent diameter is that of the machine file's limit.
+    // What ploughing takes at the machine file's limit; its equivalent diameter is that for which the limit holds.
+    let ploughing_j_mm3 = cutting.ploughing_n_mm * wheel_m_s / cutting.burn_mm2_s;
     let law = |energy: f64, work_mm_s: f64| burn_limit_mm2_s(energy, 1.0, work_mm_s);
-    let (sharp, here) = (law(cutting.energy_j_mm3, reference), law(heat, work));
+    let (sharp, here) = (law(cutting.energy_j_mm3 + ploughing_j_mm3, reference), law(heat_j_mm3, work));
     if sharp.is_finite() { cutting.burn_mm2_s * here / sharp } else { cutting.burn_mm2_s }
 }
 
@@ -48,9 +91,9 @@ mod tests {
     use crate::io::sim::MachineFile;
 
     fn limit(dullness_factor: f64, work_mm_s: f64, coolant_flows: bool) -> f64 {
-        let work_mm_s = Some(work_mm_s);
         let cutting = MachineFile::builtin(Kind::Gc).unwrap().cutting;
-        burn_limit(&cutting, &Cut { dullness_factor, work_mm_s, ..Cut::default() }, coolant_flows)
+        let heat = cutting.energy_j_mm3 * dullness_factor * if coolant_flows { 1.0 } else { DRY_FACTOR };
+        burn_limit(&cutting, heat, Some(work_mm_s), 34.6)
     }
 
     /// 8 mm²/s at 420 mm/s; 40 J/mm³. Dull, 2.5 times the energy: 8·(33.8/93.8)^(4/3) = 2.052; an eighth of the work
@@ -67,5 +110,26 @@ mod tests {
         ] {
             assert!((found - wanted).abs() < 0.001, "{found} {wanted}");
         }
+    }
+
+    /// Chips 13.8, sliding 26.2 J/mm³, ploughing 1 N/mm. 18 mm wide at 1 mm²/s and 34.6 m/s: 18 mm³/s take 248.4 W, 471.6 W,
+    /// 622.8 W: 74.6 J/mm³; at 8 mm²/s 44.3. Dull, 2.5 times the sliding: 113.9.
+    #[test]
+    fn p2_small_removal_rates_are_costly_by_ploughing_and_only_sliding_grows_with_dullness() {
+        let text = "(chip_j_mm3: Some(13.8), ploughing_n_mm: Some(1.0))";
+        let cutting = MachineFile::of_text(text, Kind::Gc).unwrap().cutting;
+        let power = |removal_mm2_s: f64, dullness_factor: f64| {
+            let specific_mm2 = removal_mm2_s * 0.001;
+            let cut = Cut { volume_mm3: 18.0 * specific_mm2, specific_mm2, dullness_factor, ..Cut::default() };
+            ContactPower::of_cut(&cutting, &cut, 34.6, 0.001)
+        };
+        let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 0.05, "{found} {wanted}");
+        let sharp = power(1.0, 1.0);
+        near(sharp.chip_w, 248.4);
+        near(sharp.sliding_w, 471.6);
+        near(sharp.ploughing_w, 622.8);
+        near(sharp.whole_w() / 18.0, 74.6);
+        near(power(8.0, 1.0).whole_w() / 144.0, 44.325);
+        near(power(1.0, 2.5).whole_w() / 18.0, 113.9);
     }
 }

@@ -9,6 +9,7 @@ use super::machine_sections::{
 };
 use super::part_heat::PartHeatFile;
 use super::thermal::ThermalFile;
+use super::vibration::VibrationFile;
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
 
@@ -58,6 +59,9 @@ pub struct MachineFile {
     pub thermal: Option<ThermalFile>,
     /// Warming of the part; without it parts stay cold.
     pub part_heat: Option<PartHeatFile>,
+    /// Vibration of the wheel against the part.
+    #[serde(default)]
+    pub vibration: Option<VibrationFile>,
 }
 
 impl MachineFile {
@@ -86,7 +90,9 @@ impl MachineFile {
     }
 
     pub(super) fn check(&self) -> Result<(), SimFileError> {
-        self.thermal.map_or(Ok(()), |thermal| thermal.check())?;
+        self.thermal.map_or(Ok(()), |thermal| thermal.check("thermal"))?;
+        self.gauges.drift.map_or(Ok(()), |drift| drift.check("gauges.drift"))?;
+        self.vibration.map_or(Ok(()), |vibration| vibration.check())?;
         self.part_heat.map_or(Ok(()), |heat| heat.check())?;
         for (axis, file) in self.axes(true).iter() {
             file.map_or(Ok(()), |file| file.check(&axis.letter().to_ascii_lowercase().to_string()))?;
@@ -109,6 +115,12 @@ impl MachineFile {
         positive!("wheel", wheel; diameter_mm width_mm rated_m_s mains_rpm run_up_s coast_down_s)?;
         positive!("wheel", wheel; power_w grinding_ratio)?;
         require_not_negative("wheel.wear_exponent", wheel.wear_exponent)?;
+        positive!("wheel", wheel; corner_wear)?;
+        require_not_negative("cutting.chip_j_mm3", cutting.chip_j_mm3)?;
+        require_not_negative("cutting.energy_j_mm3 without chip_j_mm3", cutting.energy_j_mm3 - cutting.chip_j_mm3)?;
+        require_not_negative("cutting.ploughing_n_mm", cutting.ploughing_n_mm)?;
+        require_not_negative("gauges.coolant_noise", self.gauges.coolant_noise)?;
+        self.dresser.as_ref().map_or(Ok(()), |d| require_not_negative("dresser.wear_um_cm3", d.wear_um_cm3))?;
         positive!("second_spindle", self.second_spindle; rpm run_up_s)?;
         positive!("hydraulics", hydraulics; time_constant_s gauge_arm_s oscillation_mm oscillation_mm_s)?;
         positive!("gauges.probe", self.gauges.probe; second_mm travel_mm)?;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::file_error::{SimFileError, refuse_value, require_positive_fields as positive};
+use super::thermal::ThermalFile;
 use crate::units::Axis;
 
 /// Greatest number of rows of an error table over position.
@@ -96,6 +97,14 @@ pub struct WheelFile {
     /// g of G(Q'w) = G·Q'w^−g: how much more the wheel wears under load; 0: G is the same at every removal rate.
     #[serde(default)]
     pub wear_exponent: f64,
+    /// How many times as much the rim wears at its two corners as between them, for the same removed volume.
+    #[serde(default = "even_wear")]
+    pub corner_wear: f64,
+}
+
+/// A rim that wears at its corners as between them.
+const fn even_wear() -> f64 {
+    1.0
 }
 
 /// Drive of workhead, rotary table or dressing roll.
@@ -225,8 +234,14 @@ pub struct CuttingFile {
     pub traverse_plane_mm: f64,
     /// Contact length of the rim on a plane, mm: wheel and part deform over this length.
     pub contact_mm: f64,
-    /// Energy to remove a volume with a sharp wheel, J/mm³.
+    /// Energy to remove a volume with a sharp wheel, J/mm³: chips and sliding.
     pub energy_j_mm3: f64,
+    /// Share of it that forms chips, J/mm³: it does not grow as the wheel gets dull, the rest does.
+    #[serde(default)]
+    pub chip_j_mm3: f64,
+    /// Tangential force of ploughing per width of contact, N/mm: the same at every removal rate.
+    #[serde(default)]
+    pub ploughing_n_mm: f64,
     /// Ratio µ of tangential to normal force.
     #[serde(default = "usual_force_ratio")]
     pub force_ratio: f64,
@@ -280,6 +295,9 @@ pub struct DresserFile {
     pub crash_mm: f64,
     /// Depth from which a pass sharpens, mm.
     pub sharpens_mm: f64,
+    /// Wear of the diamond for the volume of wheel that it has cut, µm/cm³.
+    #[serde(default)]
+    pub wear_um_cm3: f64,
     /// The roll, if it is one.
     pub roll: Option<RollFile>,
 }
@@ -340,8 +358,18 @@ pub struct GaugesFile {
     pub delay_s: f64,
     /// Switch-off hysteresis of a stage, µm; must exceed the noise, or signals chatter.
     pub hysteresis_um: f64,
+    /// What the radial gauge shows too much as it warms.
+    #[serde(default)]
+    pub drift: Option<ThermalFile>,
+    /// Noise while coolant flows over the tips, as a multiple of `noise_um`.
+    #[serde(default = "no_more_noise")]
+    pub coolant_noise: f64,
     /// The axial (plane) gauge.
     pub probe: ProbeFile,
+}
+
+const fn no_more_noise() -> f64 {
+    1.0
 }
 
 /// The tip of the axial (plane) gauge with its arm out, relative to the wheel's reference point.

@@ -7,6 +7,7 @@ use super::machine_file::MachineFile;
 use super::machine_sections::{AxisFile, ScatterFile, TablePoint};
 use super::part_heat::PartHeatFile;
 use super::thermal::ThermalFile;
+use super::vibration::VibrationFile;
 use crate::defs::kind::Kind;
 
 macro_rules! variations {
@@ -18,7 +19,7 @@ macro_rules! variations {
 /// Names and texts of the variations that come with the control: what parts are qualified on (`kt830 qualify`).
 pub const VARIATIONS: &[(&str, &str)] = variations! {
     "stiff" "slender" "soft_wheel" "hard_wheel" "dulls_fast" "scatter" "backlash" "pitch" "slow_gauge" "burns"
-    "soft_servo" "drift" "hot_part" "soft_bond" "worn"
+    "soft_servo" "drift" "hot_part" "soft_bond" "soft_corner" "ploughing" "worn_diamond" "unbalance" "gauge_drift" "worn"
 };
 
 /// Length over which a pitch error is given, mm.
@@ -54,6 +55,20 @@ pub struct MachineVariation {
     pub thermal: Option<ThermalFile>,
     /// Warming of the part.
     pub part_heat: Option<PartHeatFile>,
+    /// Vibration of the wheel.
+    pub vibration: Option<VibrationFile>,
+    /// How many times as much the rim wears at its corners.
+    pub corner_wear: Option<f64>,
+    /// Share of the specific energy that forms chips, J/mm³.
+    pub chip_j_mm3: Option<f64>,
+    /// Tangential force of ploughing per width, N/mm.
+    pub ploughing_n_mm: Option<f64>,
+    /// Wear of the diamond, µm of its depth for a cm³ of wheel.
+    pub diamond_wear_um_cm3: Option<f64>,
+    /// Drift of the radial gauge.
+    pub gauge_drift: Option<ThermalFile>,
+    /// Noise of the gauges under coolant, as a factor.
+    pub coolant_noise: Option<f64>,
 }
 
 impl MachineVariation {
@@ -97,12 +112,21 @@ impl MachineVariation {
         }
         cutting.dull_after_mm3 *= self.dulling.unwrap_or(1.0);
         set(&mut cutting.burn_mm2_s, self.burn_mm2_s);
+        set(&mut cutting.chip_j_mm3, self.chip_j_mm3);
+        set(&mut cutting.ploughing_n_mm, self.ploughing_n_mm);
+        set(&mut machine.wheel.corner_wear, self.corner_wear);
+        if let Some(dresser) = &mut machine.dresser {
+            set(&mut dresser.wear_um_cm3, self.diamond_wear_um_cm3);
+        }
         set(&mut machine.wheel.grinding_ratio, self.grinding_ratio);
         set(&mut machine.wheel.wear_exponent, self.wear_exponent);
         set(&mut machine.gauges.noise_um, self.gauge_noise_um);
         set(&mut machine.gauges.delay_s, self.gauge_delay_s);
+        set(&mut machine.gauges.coolant_noise, self.coolant_noise);
+        machine.gauges.drift = self.gauge_drift.or(machine.gauges.drift);
         // A stage must not chatter in the noise.
-        machine.gauges.hysteresis_um = machine.gauges.hysteresis_um.max(2.5 * machine.gauges.noise_um);
+        let noise_um = machine.gauges.noise_um * machine.gauges.coolant_noise.max(1.0);
+        machine.gauges.hysteresis_um = machine.gauges.hysteresis_um.max(2.5 * noise_um);
         let [x, z] = [&mut machine.x, &mut machine.z];
         for axis in [Some(x), machine.y.as_mut(), machine.y_optional.as_mut(), Some(z)].into_iter().flatten() {
             self.vary_axis(axis);
@@ -110,6 +134,7 @@ impl MachineVariation {
         machine.scatter = self.scatter.or(machine.scatter);
         machine.thermal = self.thermal.or(machine.thermal);
         machine.part_heat = self.part_heat.or(machine.part_heat);
+        machine.vibration = self.vibration.or(machine.vibration);
     }
 
     fn vary_axis(&self, axis: &mut AxisFile) {

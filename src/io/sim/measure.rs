@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use super::SimulatedMachine;
+use super::heat::ContactPower;
 use super::magnet::SimMagnet;
 use super::part_file::FaceDirection;
 use super::report::{PartReport, SimEvent};
-use super::roughness::SurfaceRoughness;
 use super::spindle::rpm_of;
 use super::surface::Surface;
 use crate::defs::grinding_workspace::GrindingWorkspace;
@@ -37,7 +37,38 @@ pub struct WheelState {
     pub dullness: f64,
 }
 
+/// What the process does at a moment, beside the wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProcessState {
+    /// Power that forms chips, ploughs and slides, W.
+    pub power_w: [f64; 3],
+    /// Amplitude of the wheel's vibration, µm.
+    pub vibration_um: f64,
+    /// How far the part is warmer than the coolant, K.
+    pub part_kelvin: f64,
+    /// How far the wheel head has grown towards the part, µm.
+    pub head_growth_um: f64,
+    /// Wear of the diamond in use, µm.
+    pub diamond_wear_um: f64,
+    /// What the radial gauge shows above its set size, µm; none with its arm retracted or without a part.
+    pub gauge_um: Option<f64>,
+}
+
 impl SimulatedMachine {
+    /// What the process does at this moment.
+    #[must_use]
+    pub fn process(&self) -> ProcessState {
+        let ContactPower { chip_w, ploughing_w, sliding_w } = self.grinding.power;
+        ProcessState {
+            power_w: [chip_w, ploughing_w, sliding_w],
+            vibration_um: self.grinding.vibration.amplitude_um,
+            part_kelvin: self.grinding.part_kelvin(),
+            head_growth_um: 1_000.0 * self.axis_value(self.file.layout.infeed, |sim| sim.thermal_mm),
+            diamond_wear_um: 1_000.0 * self.grinding.diamond_wear_mm(),
+            gauge_um: self.gauges.shown_um,
+        }
+    }
+
     /// Machine position of each axis at encoder zero, mm; homing must determine it.
     #[must_use]
     pub fn encoder_zero_mm(&self) -> PerAxis<f64> {
@@ -128,7 +159,7 @@ impl SimulatedMachine {
         let mut report = self.measure_bar();
         for (surface, of) in self.grinding.surfaces().iter().enumerate() {
             of.report(&mut report);
-            report.roughness.extend(of.finish.ra_um().map(|ra_um| SurfaceRoughness { surface, ra_um }));
+            report.roughness.extend(of.finish.report(surface));
         }
         report
     }

@@ -4,8 +4,8 @@
 //! Files: `axis` drives and switches, `spindle`, `hydraulics`, `magnet`, `gauge`, `wheel` shape and wear, `surface` the
 //! contact law, `cell_row`, `profile` and `plane` the cells, `obstacle`, `grinding` the contacts of the wheel, `scatter` seeded
 //! variation, `wiring` terminals, `lathe` spindle, turret and bar of a lathe, `inputs` the input image, `fault` named
-//! faults, `measure` and `report` queries and results, `drawing` the judgement of a part, `thermal` growth, `machine_variation` other
-//! machines of a kind. The machine file alone defines which axes and spindles exist.
+//! faults, `measure` and `report` queries and results, `drawing` the judgement of a part, `thermal` growth, `vibration` of
+//! the wheel, `machine_variation` other machines of a kind. The machine file alone defines which axes and spindles exist.
 
 mod axis;
 mod bending;
@@ -38,6 +38,7 @@ mod scatter;
 mod spindle;
 mod surface;
 mod thermal;
+mod vibration;
 mod wheel;
 mod wiring;
 
@@ -70,7 +71,7 @@ pub use self::machine_sections::{
     WheelFile,
 };
 pub use self::machine_variation::{MachineVariation, VARIATIONS};
-pub use self::measure::WheelState;
+pub use self::measure::{ProcessState, WheelState};
 pub use self::part_file::{
     BarFile, BlockFile, BodyFile, BodyKind, FaceDirection, FinishedSizeFile, GaugeSetupFile, OffsetPreset, PartFile,
     SlidePosition, SurfaceFile, TailstockFile,
@@ -79,6 +80,7 @@ pub use self::part_heat::PartHeatFile;
 pub use self::report::{DiameterAt, EventKind, FaceAt, HeightAt, PartReport, SimEvent};
 pub use self::roughness::SurfaceRoughness;
 pub use self::thermal::ThermalFile;
+pub use self::vibration::VibrationFile;
 
 /// Longest step of the physics, µs; a longer tick is divided into several steps.
 const STEP_LIMIT_US: u64 = 4_000;
@@ -299,7 +301,7 @@ impl SimulatedMachine {
             oversize_um: is_out.then(|| self.grinding.oversize_um(&scene, self.wheel.width_mm)).flatten(),
             probe_deflection_mm: self.grinding.probe_deflection_mm(&scene),
         };
-        self.gauges.step(found, dt_s, &mut self.rng);
+        self.gauges.step(found, (dt_s, scene.coolant_flows), &mut self.rng);
         let standing = scene.speed_mm_s.0.iter().all(|v| v.abs() <= 0.0);
         self.tripped = crashed || (self.tripped && (self.outputs.drives_on || !standing));
     }

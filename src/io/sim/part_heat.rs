@@ -51,7 +51,7 @@ pub(super) struct PartHeat {
     capacity_j_k: f64,
     area_m2: f64,
     /// Above the coolant, K.
-    kelvin: f64,
+    pub(super) kelvin: f64,
 }
 
 impl PartHeat {

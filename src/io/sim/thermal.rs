@@ -1,5 +1,5 @@
-//! Thermal growth of the wheel head towards the part: a machine that starts cold moves its wheel by some micrometres in
-//! the first hour (A7). First order: ẋ = (growth − x)/τ, from zero at power-on.
+//! Thermal growth: a machine that starts cold moves its wheel towards the part by some micrometres in the first hour, a
+//! gauge shows too much (A7). First order: ẋ = (growth − x)/τ, from zero at power-on.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,16 +9,16 @@ use super::file_error::{SimFileError, require_not_negative, require_positive_fie
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ThermalFile {
-    /// How far the wheel has come towards the part once everything is warm, µm.
+    /// How far the wheel has come towards the part, or what a gauge shows too much, once everything is warm, µm.
     pub growth_um: f64,
     /// Time constant, s.
     pub time_constant_s: f64,
 }
 
 impl ThermalFile {
-    pub(super) fn check(&self) -> Result<(), SimFileError> {
-        require_not_negative("thermal.growth_um", self.growth_um.abs())?;
-        positive!("thermal", self; time_constant_s)
+    pub(super) fn check(&self, name: &str) -> Result<(), SimFileError> {
+        require_not_negative(&format!("{name}.growth_um"), self.growth_um.abs())?;
+        positive!(name, self; time_constant_s)
     }
 
     /// Growth in a step of `dt_s` from `mm` on, mm.

@@ -3,7 +3,8 @@
 //!
 //! Wear: removing a part volume V costs the wheel the volume V/G. On a slice of width b at diameter D the rim wears by
 //! V/(G·π·D·b); a side engaged to the depth e wears by V/(G·π·D·e). Under load grains break out: G falls with the removal rate
-//! per width, G(Q'w) = G·Q'w^−g. Source: F. Klocke, Manufacturing Processes 2, 2009, section "tool wear".
+//! per width, G(Q'w) = G·Q'w^−g. At the corners of the rim grains have bond on one side only: it wears `corner_wear` times as
+//! much there. Source: F. Klocke, Manufacturing Processes 2, 2009, section "tool wear" (radial and edge wear).
 //! Dullness: 0 sharp to 1 dull, rising by V/`dull_after_mm3`; with it the time constant of the contact rises from
 //! `sharp_s` to `dull_s`. A pass of the diamond sharpens only the slices that it cuts.
 
@@ -40,6 +41,7 @@ pub(super) struct GrindingWheel {
     grinding_ratio: f64,
     /// g of G(Q'w) = G·Q'w^−g.
     wear_exponent: f64,
+    corner_wear: f64,
     /// Wear of a slice per removed volume, mm/mm³.
     rim_wear_per_mm3: f64,
     dullness_per_mm3: f64,
@@ -67,6 +69,7 @@ impl GrindingWheel {
             slices_per_mm: slice_mm.recip(),
             grinding_ratio: file.grinding_ratio,
             wear_exponent: file.wear_exponent,
+            corner_wear: file.corner_wear,
             rim_wear_per_mm3: (file.grinding_ratio * PI * file.diameter_mm * slice_mm).recip(),
             dullness_per_mm3: cutting.dull_after_mm3.recip(),
             rim_wear_mm: [0.0; SLICES],
@@ -94,6 +97,11 @@ impl GrindingWheel {
         (up * (2.0 * self.radius_mm - up)).sqrt()
     }
 
+    /// Turns per second at a peripheral speed.
+    pub(super) fn turns_s(&self, peripheral_m_s: f64) -> f64 {
+        1_000.0 * peripheral_m_s / (2.0 * PI * self.radius_mm)
+    }
+
     /// Mean diameter, mm.
     pub(super) fn diameter_mm(&self) -> f64 {
         2.0 * (self.radius_mm - self.rim_wear_sum_mm / SLICES as f64)
@@ -103,6 +111,11 @@ impl GrindingWheel {
     pub(super) fn slice_at(&self, from_left_mm: f64) -> Option<usize> {
         let slice = from_left_mm * self.slices_per_mm;
         (slice >= 0.0 && slice < SLICES as f64).then_some(slice as usize)
+    }
+
+    /// Volume that a depth of a slice is, mm³.
+    pub(super) fn slice_volume_mm3(&self, depth_mm: f64) -> f64 {
+        2.0 * PI * self.radius_mm * depth_mm / self.slices_per_mm
     }
 
     /// Slices of the rim over an interval that begins at a distance from the left side; one slice if its width is zero.
@@ -153,7 +166,9 @@ impl GrindingWheel {
 
     /// Wears a slice of the rim by the volume that it removed, at a removal rate per width, mm³/(mm·s).
     pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64, removal_mm2_s: f64) {
-        let worn_mm = volume_mm3 * self.rim_wear_per_mm3 * self.wear_factor(removal_mm2_s);
+        let at_corner = slice == 0 || slice == SLICES - 1;
+        let corner = if at_corner { self.corner_wear } else { 1.0 };
+        let worn_mm = volume_mm3 * self.rim_wear_per_mm3 * self.wear_factor(removal_mm2_s) * corner;
         self.rim_wear_mm[slice] += worn_mm;
         self.rim_wear_sum_mm += worn_mm;
         self.rim_dullness = (self.rim_dullness + volume_mm3 * self.dullness_per_mm3).min(1.0);
@@ -221,6 +236,20 @@ mod tests {
             (600.0 - wheel.diameter_mm()) * 1_000.0
         };
         assert!([(0.25, 1.0), (1.0, 2.0), (4.0, 4.0)].iter().all(|(rate, um)| (worn_um(*rate) - um).abs() < 0.001));
+    }
+
+    /// 2 µm between the corners as in the first test, 3 times as much at them.
+    #[test]
+    fn p2_a_wheel_loses_its_corners_first() {
+        let machine = MachineFile::of_text("(corner_wear: Some(3.0))", Kind::Gc).unwrap();
+        let mut wheel = GrindingWheel::new(&machine.wheel, &machine.cutting);
+        (0..SLICES).for_each(|slice| wheel.wear_rim(slice, 1_508.0 / SLICES as f64, 1.0));
+        let radius_um = |slice: usize| 1_000.0 * wheel.rim_wear_mm[slice];
+        assert!(
+            [(0, 3.0), (1, 1.0), (SLICES - 2, 1.0), (SLICES - 1, 3.0)]
+                .iter()
+                .all(|(slice, um)| (radius_um(*slice) - um).abs() < 0.001)
+        );
     }
 
     #[test]
