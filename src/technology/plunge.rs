@@ -80,6 +80,23 @@ pub struct GrindingTask {
     pub machine: GrindingMachine,
 }
 
+impl GrindingTask {
+    /// Speed of the part's surface, mm/s.
+    fn work_mm_s(&self) -> f64 {
+        PI * self.part.diameter_mm * self.machine.work_rpm / 60.0
+    }
+
+    /// Removal rate per width at which the specific energy of the material reaches that of the burn limit, mm³/(mm·s). None
+    /// for a material that does not burn, and where a size or a speed is missing.
+    #[must_use]
+    pub fn burn_limit_mm2_s(&self) -> Option<f64> {
+        let Self { part, wheel, .. } = self;
+        let equivalent_mm = wheel.diameter_mm * part.diameter_mm / (wheel.diameter_mm + part.diameter_mm);
+        let limit = burn_limit_mm2_s(part.material.energy_j_mm3, equivalent_mm, self.work_mm_s());
+        Some(limit).filter(|limit| part.material.burns && limit.is_finite() && *limit > 0.0)
+    }
+}
+
 /// By what a value is set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProposalLimit {
@@ -206,7 +223,7 @@ pub fn propose(task: &GrindingTask) -> Result<PlungeProposal, TaskError> {
     let girth_m = PI * part.diameter_mm / 1_000.0;
     let (work_m_min, advised_m_min) = (girth_m * machine.work_rpm, wheel_m_s.0 * 60.0 / part.material.speed_ratio);
     let advised_work_rpm = advised_m_min / girth_m;
-    let rough = roughing(task, work_m_min * 1_000.0 / 60.0);
+    let rough = roughing(task);
     let finish = finishing(task, &rough);
     let (rough_mm_s, finish_mm_s) = (rough.feed_mm_min / 60.0, finish.feed_mm_min / 60.0);
     let tau = machine.time_constant_s;
@@ -261,11 +278,11 @@ fn wheel_speed(wheel: &MountedWheel) -> ((f64, ProposalLimit), f64) {
     }
 }
 
-fn roughing(task: &GrindingTask, work_mm_s: f64) -> PlungeStage {
-    let GrindingTask { part, wheel, machine } = task;
+fn roughing(task: &GrindingTask) -> PlungeStage {
+    let GrindingTask { part, machine, .. } = task;
     let material = &part.material;
     let power = SAFE_SHARE * machine.wheel_kw * 1_000.0 / (material.energy_j_mm3 * part.width_mm);
-    let burn = if material.burns { SAFE_SHARE * burn_limit(part, wheel, work_mm_s) } else { f64::INFINITY };
+    let burn = task.burn_limit_mm2_s().map_or(f64::INFINITY, |limit| SAFE_SHARE * limit);
     let limits = [
         (power, ProposalLimit::Power),
         (burn, ProposalLimit::Burn),
@@ -274,12 +291,6 @@ fn roughing(task: &GrindingTask, work_mm_s: f64) -> PlungeStage {
     let least = limits.into_iter().reduce(|least, other| if other.0 < least.0 { other } else { least });
     let (removal_mm2_s, limit) = least.unwrap_or((power, ProposalLimit::Power));
     stage(part, removal_mm2_s, limit)
-}
-
-/// Q'w at which the specific energy of the material reaches that of the burn limit, mm³/(mm·s).
-fn burn_limit(part: &PlungePart, wheel: &MountedWheel, work_mm_s: f64) -> f64 {
-    let equivalent_mm = wheel.diameter_mm * part.diameter_mm / (wheel.diameter_mm + part.diameter_mm);
-    burn_limit_mm2_s(part.material.energy_j_mm3, equivalent_mm, work_mm_s)
 }
 
 fn finishing(task: &GrindingTask, rough: &PlungeStage) -> PlungeStage {

@@ -61,3 +61,34 @@ fn h9_the_process_is_kept_as_a_table() {
     bench.rig.send(Command::OpenPage(Page::Position));
     bench.turn();
 }
+
+/// Two parts of O1002, Ø40.3 to Ø40: the wheel's way to the finished size, the removal rate with the rate at which the hardened steel
+/// burns (2.65 mm³/(mm·s), `technology::burn`), the load; behind them the part before.
+#[test]
+fn k4_5_the_cycle_of_a_part_is_seen_against_the_one_before() {
+    let mut rig = crate::stories::ready();
+    crate::stories::tell(&mut rig, "load O1002\npart assets/parts/O1002.ron\nkey cycle-start");
+    let mut bench = Bench::new(rig, Page::Process);
+    bench.touch("本件 process-cycle");
+    let run = |bench: &mut Bench, seconds: u32| {
+        for _ in 0..10 * seconds {
+            crate::stories::tell(&mut bench.rig, "wait 0.1 s");
+            bench.turn();
+        }
+    };
+    run(&mut bench, 60);
+    assert!(bench.shows("砂轮距成品尺寸") && bench.shows("成品 40.000"), "{:?}", bench.painted());
+    assert!(bench.shows("粗磨") && bench.shows("精磨") && bench.shows("光磨"), "{:?}", bench.painted());
+    assert!(bench.shows("烧伤极限 2.6") || bench.shows("烧伤极限 2.7"), "{:?}", bench.painted());
+    // Curves of some hundred samples.
+    let curves = |bench: &Bench| {
+        let is_long = |shape: &egui::Shape| matches!(shape, egui::Shape::Path(path) if path.points.len() > 40);
+        bench.screen.output().shapes.iter().filter(|clipped| is_long(&clipped.shape)).count()
+    };
+    assert_eq!(curves(&bench), 3, "size, removal rate, load");
+    crate::stories::tell(&mut bench.rig, "part assets/parts/O1002.ron\nkey cycle-start");
+    run(&mut bench, 20);
+    assert_eq!(curves(&bench), 6, "those of the part before as well");
+    bench.touch("时间 10 s process-span");
+    assert!(!bench.shows("砂轮距成品尺寸"), "the key of the time goes back to the curves of the clock");
+}

@@ -21,7 +21,7 @@ use super::report::{EventKind, EventLog, SimEvent};
 use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
 use super::surface::{ContactFlags, Surface};
-use super::vibration::Vibration;
+use super::vibration::{TurningWheel, Vibration};
 use super::wheel::{GrindingWheel, Side};
 use crate::defs::grinding_workspace::{DresserShape, GrindingWorkspace};
 use crate::io::random::SplitMix64;
@@ -280,9 +280,10 @@ impl Grinding {
 
     /// The vibration of the wheel in this tick; it chatters while it cuts.
     fn vibrate(&mut self, scene: &MachineState, wheel: &GrindingWheel) {
-        let turns_s = wheel.turns_s(scene.wheel_m_s);
+        let (turns_s, mass_kg, dullness) = (wheel.turns_s(scene.wheel_m_s), wheel.mass_kg(), wheel.rim_dullness);
+        let turning = TurningWheel { turns_s, mass_kg, dullness };
         self.vibration = self.machine.vibration.map_or_else(Vibration::default, |file| {
-            Vibration::at(&file, scene.seconds, (turns_s, wheel.rim_dullness), scene.seconds < self.chatters_until_s)
+            Vibration::at(&file, scene.seconds, turning, scene.seconds < self.chatters_until_s)
         });
     }
 

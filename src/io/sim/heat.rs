@@ -23,6 +23,9 @@ use crate::technology::burn_limit_mm2_s;
 /// Heat in the part without coolant, as a multiple of that with coolant. DECISION: 85 and 65 percent, at the ends of the
 /// range that Malkin and Guo give for shallow-cut grinding.
 const DRY_FACTOR: f64 = 0.85 / 0.65;
+/// Lowest removal rate used, mm³/(mm·s): the length of contact, over which the heat is spread, becomes no shorter than that of
+/// the elastic contact of wheel and part (W. B. Rowe, Principles of Modern Grinding Technology, 2009, chapter "Contact length").
+const LEAST_REMOVAL_MM2_S: f64 = 1.0;
 /// Lowest work speed used, as a share of that of the burn limit: a table that reverses does not burn.
 const LEAST_WORK_SHARE: f64 = 0.1;
 
@@ -68,8 +71,10 @@ pub(super) fn burns(cutting: &CuttingFile, cut: &Cut, (wheel_m_s, dt_s): (f64, f
         return false;
     }
     let power = ContactPower::of_cut(cutting, cut, wheel_m_s, dt_s);
-    let heat_j_mm3 = power.whole_w() * dt_s / cut.volume_mm3 * if coolant_flows { 1.0 } else { DRY_FACTOR };
-    cut.specific_mm2 > burn_limit(cutting, heat_j_mm3, cut.work_mm_s, wheel_m_s) * dt_s
+    let per_width_w =
+        power.whole_w() * cut.specific_mm2 / cut.volume_mm3 * if coolant_flows { 1.0 } else { DRY_FACTOR };
+    let removal = (cut.specific_mm2 / dt_s).max(LEAST_REMOVAL_MM2_S);
+    removal > burn_limit(cutting, per_width_w / removal, cut.work_mm_s, wheel_m_s)
 }
 
 /// Removal rate per width from which a contact burns the part, mm³/(mm·s), for the energy that heats it as under coolant.

@@ -18,6 +18,8 @@ const SLICES: usize = 20;
 /// How a new wheel was dressed: depth of the last pass, mm, and its overlap ratio. DECISION: for an Ra of 0.4 µm.
 const NEW_DEPTH_MM: f64 = 0.02;
 const NEW_OVERLAP: f64 = 4.0;
+/// Density of a vitrified corundum wheel, kg/mm³.
+const DENSITY_KG_MM3: f64 = 2.2e-6;
 /// Smallest engagement depth used for the wear of a side, mm.
 const LEAST_ENGAGEMENT_MM: f64 = 1.0;
 
@@ -100,6 +102,11 @@ impl GrindingWheel {
     /// Turns per second at a peripheral speed.
     pub(super) fn turns_s(&self, peripheral_m_s: f64) -> f64 {
         1_000.0 * peripheral_m_s / (2.0 * PI * self.radius_mm)
+    }
+
+    /// Mass of the new wheel, kg.
+    pub(super) fn mass_kg(&self) -> f64 {
+        DENSITY_KG_MM3 * PI * self.radius_mm * self.radius_mm * self.width_mm
     }
 
     /// Mean diameter, mm.

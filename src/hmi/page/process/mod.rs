@@ -1,7 +1,8 @@
-//! Process page: live curves of axes, feed, wheel load and gauge signals; sizes and cycle times of the last parts; the
+//! Process page: live curves of axes, feed, wheel load and gauge signals, or the cycle of a part against its time; sizes and cycle times of the last parts; the
 //! wheel and its dressings; CSV export of all data.
 //! Source: tools.md (page process), K4.3, K4.5, K5.17, H9.
 
+mod cycle;
 mod trend;
 
 use std::collections::VecDeque;
@@ -10,6 +11,7 @@ use std::fmt::Write;
 use egui::accesskit::Role;
 use egui::{Color32, Id, Pos2, Rect, Sense, Shape, Stroke, WidgetInfo, pos2, vec2};
 
+use self::cycle::CycleCurves;
 use super::{PageContext, PageUi};
 use crate::defs::param;
 use crate::defs::part_record::PartRecord;
@@ -57,6 +59,9 @@ struct ProcessCurve {
 #[derive(Debug, Default)]
 pub struct ProcessPage {
     samples: VecDeque<Sample>,
+    cycle: CycleCurves,
+    /// The curves are those of the cycle.
+    shows_cycle: bool,
     /// Serial number of the last part that was cleared away.
     cleared: u64,
     /// Dressing count and wheel diameter, mm, as last seen; what the last dressing took off the diameter, mm.
@@ -73,6 +78,7 @@ pub struct ProcessPage {
 impl PageUi for ProcessPage {
     fn record(&mut self, snapshot: &Snapshot) {
         self.track_dressing(snapshot);
+        self.cycle.record(snapshot);
         if self.samples.back().is_some_and(|last| snapshot.now < last.at) {
             self.samples.clear();
             self.window_end = None;
@@ -97,15 +103,24 @@ impl PageUi for ProcessPage {
 
     fn ui(&mut self, ctx: PageContext<'_>) {
         let PageContext { rect, view, typed, out, .. } = ctx;
-        if self.window_end.is_none() && self.curves_move(view.snapshot.now) {
+        let moves = if self.shows_cycle {
+            self.cycle.grows(view.snapshot)
+        } else {
+            self.window_end.is_none() && self.curves_move(view.snapshot.now)
+        };
+        if moves {
             view.ui.ctx().request_repaint_after(std::time::Duration::from_micros(SAMPLE_PERIOD.0));
         }
         self.walk.begin_frame(if self.question.is_open() { &[] } else { &typed.edits });
         let (body, keys) = rect.shrink2(vec2(theme::PAD, 6.0)).split_bottom(widget::KEYS_HEIGHT);
         let (curves, below) = body.trim_bottom(theme::GAP).split_bottom(BELOW_HEIGHT);
         let curves = curves.trim_bottom(theme::GAP);
-        self.drag(curves, view);
-        self.curves(curves, view);
+        if self.shows_cycle {
+            self.cycle.ui(curves, view);
+        } else {
+            self.drag(curves, view);
+            self.curves(curves, view);
+        }
         let (trend, rest) = below.split_left_right_at_fraction(0.46);
         let (parts, wheel) = rest.split_left_right_at_fraction(0.42);
         let cut = |rect: Rect| rect.trim_right(theme::GAP);
@@ -284,17 +299,20 @@ impl ProcessPage {
         let live = self.window_end.map_or_else(|| view.text("实时", "LIVE").to_owned(), back);
         let keys = [
             PageKey::new("process-span", &words),
-            PageKey::new("process-live", &live).on(self.window_end.is_none()),
+            PageKey::new("process-live", &live).on(self.window_end.is_none() && !self.shows_cycle),
+            PageKey::new("process-cycle", view.text("本件", "PART")).on(self.shows_cycle),
             PageKey::new("process-clear", view.text("清除", "CLEAR")),
             PageKey::new("process-export", view.text("存为 CSV", "SAVE CSV")),
         ];
         match self.walk.keys(view, rect, &keys) {
+            Some(0) if self.shows_cycle => self.shows_cycle = false,
             Some(0) => {
                 let longer = SPANS_SECONDS.into_iter().find(|span| *span > self.span() + 0.5);
                 self.span_seconds = longer;
             }
-            Some(1) => self.window_end = None,
-            Some(2) => self.question.ask((), self.clear_question(view.snapshot)),
+            Some(1) => (self.window_end, self.shows_cycle) = (None, false),
+            Some(2) => self.shows_cycle = !self.shows_cycle,
+            Some(3) => self.question.ask((), self.clear_question(view.snapshot)),
             Some(_) => {
                 return Some(file_command(Requester::Screen, FileRequest::SaveTable(self.csv(view.snapshot))));
             }

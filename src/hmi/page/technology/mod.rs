@@ -3,7 +3,7 @@
 //! Source: spec K7.5; issue "a good part, always", part D.
 
 mod proposal_table;
-mod task;
+pub(super) mod task;
 mod task_column;
 
 use super::{HandOver, InputPrompt, PageContext, PageUi, empty, input_line};

@@ -1,0 +1,331 @@
+//! The cycle of a part against its time: what the wheel has still to go to the finished size, with the limits, the load of the
+//! wheel and the removal rate with the rate at which the part burns; behind them the part before.
+//! Source: tools.md (page process), K4.5, H8.
+
+use std::f64::consts::PI;
+
+use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
+
+use super::with_extremes;
+use crate::defs::grinding_phase::GrindingPhase;
+use crate::defs::page_meaning::{PageMeaning, SizeKind};
+use crate::hmi::page::technology::task;
+use crate::hmi::{Area, View, theme};
+use crate::link::Snapshot;
+use crate::link::cycle_times::CycleTimes;
+
+/// Time between two samples, s, and how many are kept of a cycle: an hour.
+const SAMPLE_S: f64 = 0.1;
+const MAX_SAMPLES: usize = 36_000;
+/// The recorded end of a cycle is so near to its whole time, s.
+const END_S: f64 = 1.0;
+/// The feed is the mean of so many samples.
+const FEED_SAMPLES: usize = 5;
+/// Shortest time that the curves show, s.
+const LEAST_SPAN_S: f64 = 10.0;
+/// Widths of the figures in front of a curve and of the scale beside it.
+const NAME_WIDTH: f32 = 150.0;
+const SCALE_WIDTH: f32 = 52.0;
+/// Lines of the scale of the size, mm above the finished size; the scale is that of the square root.
+const SIZE_LINES_MM: [f64; 6] = [0.005, 0.02, 0.05, 0.1, 0.2, 0.5];
+/// How far below the finished size the scale reaches at least, and above it where the blank is not known, mm.
+const BELOW_MM: f64 = 0.005;
+const ABOVE_MM: f64 = 0.5;
+/// Strength of a line across.
+const LINE_STRENGTH: f32 = 0.45;
+/// Width of the name of a phase, and height of a plot that has room for it.
+const PHASE_WIDTH: f32 = 66.0;
+const PHASE_HEIGHT: f32 = 110.0;
+/// Removal rates below this are not told apart, mm³/(mm·s).
+const LEAST_RATE: f64 = 0.5;
+
+/// Values at a moment of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct CycleSample {
+    seconds: f64,
+    phase: Option<GrindingPhase>,
+    /// Position of the infeed axis as a size, mm.
+    size_mm: f64,
+    load_percent: Option<f64>,
+}
+
+/// What the page names of the part: the finished size with its limits, and the blank.
+#[derive(Clone, Copy, Debug)]
+struct SizeTarget {
+    finished_mm: f64,
+    limits_mm: Option<(f64, f64)>,
+    blank_mm: Option<f64>,
+    /// The size is a diameter that is ground from outside.
+    is_diameter: bool,
+}
+
+impl SizeTarget {
+    /// None on a page without a size to which the infeed axis goes: a length, a bore.
+    fn of(snapshot: &Snapshot) -> Option<Self> {
+        let nominal = snapshot.size_values().nominal()?;
+        let is_centre = snapshot.kind.ui().wheel_pose.is_none_or(|pose| pose.position_is_centre);
+        let files = snapshot.screens.find(snapshot.program.number);
+        let page = files.and_then(|files| files.text.as_deref().ok());
+        let value = |meaning| {
+            let variable = page?.variable(|found| found == meaning)?;
+            snapshot.variables.get(usize::from(variable)).copied().flatten()
+        };
+        let blank_mm = value(PageMeaning::BlankDiameter).filter(|blank| *blank > nominal.mm);
+        let is_diameter = match nominal.kind {
+            Some(SizeKind::Diameter) if !is_centre && blank_mm.is_some() => true,
+            Some(SizeKind::Height) => false,
+            Some(SizeKind::Diameter | SizeKind::Length) | None => return None,
+        };
+        Some(Self { finished_mm: nominal.mm, limits_mm: nominal.limits, blank_mm, is_diameter })
+    }
+
+    /// From the finished size down to the end of the scale, mm: the lower limit is on it.
+    fn below_mm(&self) -> f64 {
+        let limit = self.limits_mm.map_or(0.0, |(low, _)| self.finished_mm - low);
+        (1.3 * limit).max(BELOW_MM)
+    }
+
+    /// From the finished size up to the end of the scale, mm.
+    fn above_mm(&self) -> f64 {
+        self.blank_mm.map_or(ABOVE_MM, |blank| 1.2 * (blank - self.finished_mm))
+    }
+}
+
+/// The samples of the running or last cycle, and those of the finished one before.
+#[derive(Debug, Default)]
+pub(super) struct CycleCurves {
+    program: u32,
+    running: Vec<CycleSample>,
+    before: Vec<CycleSample>,
+}
+
+/// A curve of the cycle.
+struct Curve<'a> {
+    name: &'a str,
+    colour: Color32,
+    /// What stands under the value.
+    below: String,
+    /// Height of a value within 0 to 1.
+    height: &'a dyn Fn(f64) -> f64,
+    /// The values of a cycle.
+    values: &'a dyn Fn(&[CycleSample]) -> Vec<Option<f64>>,
+    /// Lines across: value, name, colour.
+    lines: Vec<(f64, String, Color32)>,
+    /// The value as a text.
+    text: &'a dyn Fn(f64) -> String,
+}
+
+impl CycleCurves {
+    /// Takes up the state of the machine.
+    pub(super) fn record(&mut self, snapshot: &Snapshot) {
+        let Some(pose) = snapshot.kind.ui().wheel_pose else { return };
+        let seconds = snapshot.cycle.times.seconds;
+        let program = snapshot.program.number;
+        if program != self.program {
+            *self = Self { program, ..Self::default() };
+        }
+        let last = self.running.last().map_or(f64::NEG_INFINITY, |sample| sample.seconds);
+        if seconds < last {
+            let ended = std::mem::take(&mut self.running);
+            if is_whole(snapshot.cycle.before.as_ref(), last) {
+                self.before = ended;
+            }
+        } else if seconds < last + SAMPLE_S || self.running.len() >= MAX_SAMPLES {
+            return;
+        }
+        self.running.push(CycleSample {
+            seconds,
+            phase: snapshot.cycle.phase,
+            size_mm: snapshot.axes[pose.body].work,
+            load_percent: snapshot.wheel_load_percent(),
+        });
+    }
+
+    /// Whether the curves grow.
+    pub(super) fn grows(&self, snapshot: &Snapshot) -> bool {
+        snapshot.cycle.phase.is_some()
+    }
+
+    /// The curves.
+    pub(super) fn ui(&self, rect: Rect, view: &View<'_>) {
+        let target = SizeTarget::of(view.snapshot);
+        let burn = target.filter(|target| target.is_diameter).and_then(|_| burn_limit(view));
+        let has_load = view.snapshot.wheel_load_percent().is_some();
+        let rate = target.filter(|target| target.is_diameter);
+        let count = 1 + usize::from(has_load) + usize::from(rate.is_some());
+        // The size has the height of two.
+        let unit = rect.height() / (count as f32 + 1.0);
+        self.size(rect.band(0.0, 2.0 * unit - 4.0), view, target);
+        let mut top = 2.0 * unit;
+        if let Some(target) = rate {
+            self.removal(rect.band(top, unit - 4.0), view, target, burn);
+            top += unit;
+        }
+        if has_load {
+            self.load(rect.band(top, unit - 4.0), view);
+        }
+    }
+
+    fn size(&self, rect: Rect, view: &View<'_>, target: Option<SizeTarget>) {
+        let Some(target) = target else {
+            let values =
+                |samples: &[CycleSample]| samples.iter().map(|sample| Some(sample.size_mm)).collect::<Vec<_>>();
+            let all = [&self.running, &self.before].into_iter().flat_map(|samples| values(samples)).flatten();
+            let (low, high) =
+                all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| (low.min(mm), high.max(mm)));
+            let height = |mm: f64| (mm - low) / (high - low).max(1e-3);
+            let name = view.text("进给轴位置 mm", "infeed axis mm");
+            let text = |mm: f64| view.length(mm);
+            let (colour, below) = (view.theme.info, String::new());
+            return self.paint(
+                rect,
+                view,
+                &Curve { name, colour, below, height: &height, values: &values, lines: vec![], text: &text },
+            );
+        };
+        let (above, finished) = (target.above_mm(), target.finished_mm);
+        let root = |mm: f64| mm.signum() * mm.abs().sqrt();
+        let (low, high) = (root(-target.below_mm()), root(above));
+        let height = |mm: f64| (root(mm) - low) / (high - low);
+        let values =
+            |samples: &[CycleSample]| samples.iter().map(|sample| Some(sample.size_mm - finished)).collect::<Vec<_>>();
+        let muted = view.theme.muted;
+        let mut lines: Vec<_> =
+            SIZE_LINES_MM.into_iter().filter(|mm| *mm < above).map(|mm| (mm, format!("+{mm}"), muted)).collect();
+        lines.push((0.0, view.text("成品", "target").to_owned(), view.theme.run));
+        for limit in target.limits_mm.map_or([None; 2], |(low, high)| [Some(low), Some(high)]).into_iter().flatten() {
+            lines.push((limit - finished, String::new(), view.theme.hold));
+        }
+        let text = |mm: f64| format!("{mm:+.4}");
+        let below = format!("{} {}", view.text("成品", "target"), view.length(finished));
+        let name = view.text("砂轮距成品尺寸 mm", "wheel to target mm");
+        self.paint(
+            rect,
+            view,
+            &Curve { name, colour: view.theme.info, below, height: &height, values: &values, lines, text: &text },
+        );
+    }
+
+    fn removal(&self, rect: Rect, view: &View<'_>, target: SizeTarget, burn: Option<f64>) {
+        let values = |samples: &[CycleSample]| removal_rates(samples, target);
+        let most = [&self.running, &self.before].into_iter().flat_map(|samples| values(samples)).flatten();
+        let most = most.fold(LEAST_RATE, f64::max);
+        // A limit far above what is ground would press the curve to its foot.
+        let high = 1.15 * burn.filter(|burn| *burn < 4.0 * most).map_or(most, |burn| burn.max(most));
+        let height = |rate: f64| rate / high;
+        let lines: Vec<_> =
+            burn.iter().map(|burn| (*burn, view.text("烧伤", "burn").to_owned(), view.theme.alarm_text)).collect();
+        let below = burn.map_or_else(String::new, |burn| format!("{} {burn:.1}", view.text("烧伤极限", "burns from")));
+        let text = |rate: f64| format!("{rate:.2}");
+        let name = "Q'w mm³/(mm·s)";
+        self.paint(
+            rect,
+            view,
+            &Curve { name, colour: view.theme.hold, below, height: &height, values: &values, lines, text: &text },
+        );
+    }
+
+    fn load(&self, rect: Rect, view: &View<'_>) {
+        let values = |samples: &[CycleSample]| samples.iter().map(|sample| sample.load_percent).collect::<Vec<_>>();
+        let most = [&self.running, &self.before].into_iter().flat_map(|samples| values(samples)).flatten();
+        let high = most.fold(10.0, f64::max) * 1.1;
+        let height = |percent: f64| percent / high;
+        let text = |percent: f64| format!("{percent:.1}");
+        let (name, colour) = (view.text("砂轮负载 %", "wheel load %"), view.theme.alarm_text);
+        let below = String::new();
+        self.paint(
+            rect,
+            view,
+            &Curve { name, colour, below, height: &height, values: &values, lines: vec![], text: &text },
+        );
+    }
+
+    /// The whole time of the curves, s.
+    fn span_s(&self) -> f64 {
+        let end = |samples: &[CycleSample]| samples.last().map_or(0.0, |sample| sample.seconds);
+        end(&self.running).max(end(&self.before)).max(LEAST_SPAN_S)
+    }
+
+    fn paint(&self, rect: Rect, view: &View<'_>, curve: &Curve<'_>) {
+        view.card(rect);
+        let (words, plot) = rect.shrink2(vec2(8.0, 3.0)).split_left_right_at_x(rect.min.x + NAME_WIDTH);
+        let (plot, scale) = plot.split_right(SCALE_WIDTH);
+        let line = (words.height() / 3.0).min(28.0);
+        let row = |index: f32| words.trim_right(8.0).band(index * line, line);
+        let running = (curve.values)(&self.running);
+        view.fit_left(row(0.0), curve.name, theme::SMALL, curve.colour);
+        let last = running.last().copied().flatten().map_or_else(|| "—".to_owned(), curve.text);
+        view.line_left(row(1.0), &last, theme::TITLE, view.theme.text);
+        view.fit_left(row(2.0), &curve.below, theme::SMALL, view.theme.muted);
+        let y = |height: f64| plot.max.y - 2.0 - height as f32 * (plot.height() - 4.0);
+        for (value, name, colour) in &curve.lines {
+            let at = y((curve.height)(*value));
+            if !(plot.min.y..=plot.max.y).contains(&at) {
+                continue;
+            }
+            view.painter.hline(plot.x_range(), at, Stroke::new(1.0, colour.gamma_multiply(LINE_STRENGTH)));
+            let label = Rect::from_center_size(pos2(scale.center().x, at), vec2(scale.width(), theme::SMALL + 2.0));
+            view.fit_right(label, name, theme::SMALL, *colour);
+        }
+        self.phases(plot, view);
+        let span = self.span_s();
+        let points = |samples: &[CycleSample], values: Vec<Option<f64>>| -> Vec<Pos2> {
+            let x = |seconds: f64| plot.min.x + (seconds / span) as f32 * plot.width();
+            let shown = samples.iter().zip(values).filter_map(|(sample, value)| {
+                // A wheel that is far away lies at the edge.
+                let height = (curve.height)(value?).clamp(-0.05, 1.05);
+                Some(pos2(x(sample.seconds), y(height)))
+            });
+            with_extremes(shown)
+        };
+        let painter = view.painter.with_clip_rect(plot);
+        let before = points(&self.before, (curve.values)(&self.before));
+        painter.add(Shape::line(before, Stroke::new(1.4, view.theme.muted.gamma_multiply(0.7))));
+        painter.add(Shape::line(points(&self.running, running), Stroke::new(2.0, curve.colour)));
+    }
+
+    /// Where the phases of the running cycle begin, or those of the one before.
+    fn phases(&self, plot: Rect, view: &View<'_>) {
+        let span = self.span_s();
+        let mut seen = None;
+        for sample in &self.running {
+            if sample.phase != seen
+                && let Some(phase) = sample.phase
+            {
+                let x = plot.min.x + (sample.seconds / span) as f32 * plot.width();
+                view.painter.vline(x, plot.y_range(), Stroke::new(1.0, view.theme.line));
+                let label = Rect::from_min_size(pos2(x + 3.0, plot.min.y), vec2(PHASE_WIDTH, theme::SMALL + 2.0));
+                if plot.height() > PHASE_HEIGHT {
+                    view.fit_left(label.intersect(plot), phase.name().get(view.lang), theme::SMALL, view.theme.muted);
+                }
+            }
+            seen = sample.phase;
+        }
+    }
+}
+
+/// Whether a cycle whose record ends there came to its end.
+fn is_whole(before: Option<&CycleTimes>, recorded_s: f64) -> bool {
+    before.is_some_and(|before| (before.seconds - recorded_s).abs() <= END_S)
+}
+
+/// The removal rate per width at which the part of the technology page's material burns, mm³/(mm·s).
+fn burn_limit(view: &View<'_>) -> Option<f64> {
+    let files = view.snapshot.screens.find(view.snapshot.program.number)?;
+    let text = files.text.as_deref().ok()?;
+    task::task(view, text).burn_limit_mm2_s()
+}
+
+/// Q'w = π·d·v_f of each sample, where the wheel is below the blank, mm³/(mm·s).
+fn removal_rates(samples: &[CycleSample], target: SizeTarget) -> Vec<Option<f64>> {
+    let blank = target.blank_mm.unwrap_or(f64::INFINITY);
+    let rate = |index: usize| {
+        let (now, then) = (samples[index], samples[index.checked_sub(FEED_SAMPLES)?]);
+        if now.size_mm > blank || then.size_mm > blank {
+            return None;
+        }
+        let feed_mm_s = (then.size_mm - now.size_mm).max(0.0) / 2.0 / (now.seconds - then.seconds);
+        Some(PI * now.size_mm * feed_mm_s)
+    };
+    (0..samples.len()).map(|index| Some(rate(index).unwrap_or(0.0))).collect()
+}
