@@ -406,8 +406,8 @@ fn trace_line(host: &HeadlessHost) -> String {
 
 /// The columns of `--trace` of the process beside the wheel; a gauge that is not at the part leaves its own empty.
 fn process_columns(process: &ProcessState) -> String {
-    let ProcessState { power_w: [chip, ploughing, sliding], vibration_um, part_kelvin, head_growth_um, .. } = *process;
+    let ProcessState { chip_w, ploughing_w, sliding_w, vibration_um, part_kelvin, head_growth_um, .. } = *process;
     let gauge = process.gauge_um.map_or_else(String::new, |um| format!("{um:.2}"));
     let slow = format!("{part_kelvin:.3},{head_growth_um:.3},{:.3},{gauge}", process.diamond_wear_um);
-    format!("{chip:.1},{ploughing:.1},{sliding:.1},{vibration_um:.3},{slow}")
+    format!("{chip_w:.1},{ploughing_w:.1},{sliding_w:.1},{vibration_um:.3},{slow}")
 }

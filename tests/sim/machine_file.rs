@@ -82,3 +82,23 @@ fn p1_a_wrong_machine_file_is_refused_with_its_place() {
         assert_eq!(MachineFile::builtin(kind).map(|file| file.kind), Ok(kind));
     }
 }
+
+/// What the builtin file leaves at its default, out of its range.
+#[test]
+fn p8_a_wrong_variation_is_refused_with_its_value() {
+    for (text, said) in [
+        ("(chip_j_mm3: Some(41.0))", "cutting.chip_j_mm3 is 41: must not exceed energy_j_mm3"),
+        ("(chip_j_mm3: Some(-1.0))", "cutting.chip_j_mm3 is -1: must not be below zero"),
+        ("(ploughing_n_mm: Some(-1.0))", "cutting.ploughing_n_mm is -1: must not be below zero"),
+        ("(corner_wear: Some(0.0))", "wheel.corner_wear is 0: must be above zero"),
+        ("(diamond_wear_um_cm3: Some(-0.1))", "dresser.wear_um_cm3 is -0.1: must not be below zero"),
+        ("(coolant_noise: Some(-1.0))", "gauges.coolant_noise is -1: must not be below zero"),
+        (
+            "(gauge_drift: Some((growth_um: 1.0, time_constant_s: 0.0)))",
+            "gauges.drift.time_constant_s is 0: must be above zero",
+        ),
+    ] {
+        let refused = MachineFile::of_text(text, Kind::Gc).unwrap_err().to_string();
+        assert_eq!(refused, said, "{text}");
+    }
+}

@@ -9,7 +9,8 @@
 //!
 //!   τ(z) = τ·(1 + c(z)·K/τ).
 //!
-//! Both K and τ grow with the dullness of the wheel in proportion, so that the factor is that of a sharp one. The
+//! Both K and τ grow with the dullness of the wheel in proportion, so that the factor is that of a sharp one. DECISION: so they do
+//! where the chips have an energy of their own; the force of ploughing bends nothing. The
 //! compliances are those of Euler beams under a load at z. A part between centres becomes a barrel, the bore of a quill
 //! narrower at its far end; both spark out. The width b is that of an even contact with the same force: the sum of the
 //! overlaps over the greatest, so that a stroke loads its leading edge. Along a stroke the factor stretches the traverse

@@ -64,7 +64,7 @@ impl Gauges {
     }
 
     /// One tick, with coolant on the tips or without.
-    pub(super) fn step(&mut self, found: GaugeContact, (dt_s, coolant_flows): (f64, bool), chance: &mut SplitMix64) {
+    pub(super) fn step(&mut self, found: GaugeContact, dt_s: f64, coolant_flows: bool, chance: &mut SplitMix64) {
         self.drift_mm = self.file.drift.map_or(0.0, |drift| drift.step_mm(self.drift_mm, dt_s));
         let quiet = found.oversize_um.is_none() && found.probe_deflection_mm.is_none();
         if quiet && self.touch.is_idle() && self.second_stage.is_idle() && self.stages[0].is_idle() {
@@ -124,7 +124,7 @@ mod tests {
         for tick in 0..120_000 {
             // 1 µm/s: 0.01 µm in the delay of 10 ms; the size is within the noise of a stage for one second.
             let over = 110.0 - 0.001 * f64::from(tick);
-            g.step(size(over), (0.001, false), &mut chance);
+            g.step(size(over), 0.001, false, &mut chance);
             for stage in 0..4 {
                 if g.stage(stage) != before[stage] {
                     edges[stage].push(over);
@@ -145,7 +145,7 @@ mod tests {
         let (mut edges, mut before) = (0, false);
         for _ in 0..60_000 {
             // The noise is above the stage half of the time and below it half of the time.
-            g.step(size(5.0), (0.001, false), &mut chance);
+            g.step(size(5.0), 0.001, false, &mut chance);
             edges += u32::from(g.stage(2) != before);
             before = g.stage(2);
         }
@@ -157,23 +157,23 @@ mod tests {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
         let pressed = |mm| GaugeContact { oversize_um: None, probe_deflection_mm: Some(mm) };
         for _ in 0..9 {
-            g.step(pressed(0.0), (0.001, false), &mut chance);
+            g.step(pressed(0.0), 0.001, false, &mut chance);
             assert!(!g.touching());
         }
-        g.step(pressed(0.0), (0.001, false), &mut chance);
+        g.step(pressed(0.0), 0.001, false, &mut chance);
         assert!(g.touching() && !g.second_stage());
-        (0..10).for_each(|_| g.step(pressed(2.1), (0.001, false), &mut chance));
+        (0..10).for_each(|_| g.step(pressed(2.1), 0.001, false, &mut chance));
         assert!(g.second_stage());
-        (0..10).for_each(|_| g.step(GaugeContact::default(), (0.001, false), &mut chance));
+        (0..10).for_each(|_| g.step(GaugeContact::default(), 0.001, false, &mut chance));
         assert!(!g.touching() && !g.second_stage());
     }
 
     #[test]
     fn p7_an_arm_that_goes_in_takes_its_signals_with_it() {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
-        (0..20).for_each(|_| g.step(size(-1.0), (0.001, false), &mut chance));
+        (0..20).for_each(|_| g.step(size(-1.0), 0.001, false, &mut chance));
         assert!((0..4).all(|stage| g.stage(stage)));
-        (0..10).for_each(|_| g.step(GaugeContact::default(), (0.001, false), &mut chance));
+        (0..10).for_each(|_| g.step(GaugeContact::default(), 0.001, false, &mut chance));
         assert!((0..4).all(|stage| !g.stage(stage)));
     }
 }

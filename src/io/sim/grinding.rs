@@ -201,6 +201,11 @@ impl Grinding {
         self.beam = internal.map(Beam::of_quill).or_else(|| shaft.map(Beam::of_shaft));
     }
 
+    /// Another internal spindle comes with a diamond of its own.
+    pub(super) const fn fit_inner_diamond(&mut self) {
+        self.diamond_wear_mm[1] = 0.0;
+    }
+
     /// Wear of the diamond in use, mm.
     pub(super) fn diamond_wear_mm(&self) -> f64 {
         self.diamond_wear_mm[self.diamond_in_use]
@@ -282,9 +287,9 @@ impl Grinding {
     fn vibrate(&mut self, scene: &MachineState, wheel: &GrindingWheel) {
         let (turns_s, mass_kg, dullness) = (wheel.turns_s(scene.wheel_m_s), wheel.mass_kg(), wheel.rim_dullness);
         let turning = TurningWheel { turns_s, mass_kg, dullness };
-        self.vibration = self.machine.vibration.map_or_else(Vibration::default, |file| {
-            Vibration::at(&file, scene.seconds, turning, scene.seconds < self.chatters_until_s)
-        });
+        if let Some(file) = &self.machine.vibration {
+            self.vibration.step(file, turning, scene.seconds < self.chatters_until_s, scene.dt_s);
+        }
     }
 
     /// Position and motion of the wheel, part coordinates.
@@ -328,7 +333,7 @@ impl Grinding {
         for index in 0..if self.part_lost { 0 } else { self.surfaces.len() } {
             let met = self.contact_surface(index, &pass, wheel, scene);
             self.grinds |= met.cut.volume_mm3 > 0.0;
-            self.power += ContactPower::of_cut(&self.machine.cutting, &met.cut, scene.wheel_m_s, scene.dt_s);
+            self.power += met.power;
             lost |= met.part_lost;
             if let Some((kind, place)) = met.event {
                 crashed |= log.push(self.event(kind, place, scene)) && kind == EventKind::Crash;
@@ -510,13 +515,15 @@ impl Grinding {
             return ContactResult::default();
         }
         let cut = surface.grind(pass, wheel);
-        let burnt = !surface.contact.burnt && burns(cutting, &cut, (scene.wheel_m_s, scene.dt_s), scene.coolant_flows);
+        let power = ContactPower::of_cut(cutting, &cut, scene.wheel_m_s, scene.dt_s);
+        let burnt = !surface.contact.burnt && burns(cutting, &cut, power, scene.dt_s, scene.coolant_flows);
         surface.contact.burnt |= burnt;
         if cut.specific_mm2 > 0.0 {
             let ra_um = roughness_um(wheel.dressed_by, cut.specific_mm2 / pass.dt_s, scene.wheel_m_s);
-            surface.finish.grind(cut.passed_share, ra_um, 2.0 * self.vibration.amplitude_um);
+            let waves = if surface.is_ground_by_rim() { 2.0 * self.vibration.amplitude_um } else { 0.0 };
+            surface.finish.grind(cut.passed_share, ra_um, waves);
         }
-        ContactResult { cut, event: burnt.then_some((EventKind::Burn, "part")), part_lost: false }
+        ContactResult { cut, power, event: burnt.then_some((EventKind::Burn, "part")), part_lost: false }
     }
 }
 
@@ -524,6 +531,7 @@ impl Grinding {
 #[derive(Default)]
 struct ContactResult {
     cut: Cut,
+    power: ContactPower,
     event: Option<(EventKind, &'static str)>,
     /// The part was not held.
     part_lost: bool,

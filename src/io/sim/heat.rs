@@ -6,7 +6,7 @@
 //!   u = u_ch + F'_pl·v_s/Q'w + (u_0 − u_ch)·δ.
 //!
 //! Chips take the same energy whatever the wheel is like (13.8 J/mm³ of steel), ploughing the same force per width (about
-//! 1 N/mm): it is what makes small removal rates costly. Sliding grows with δ, because the time constant is the force per
+//! 1 N/mm) until it fades at the end of a spark-out: it is what makes small removal rates costly. Sliding grows with δ, because the time constant is the force per
 //! infeed (`bending`): wear flats rub and remove nothing. Sources: S. Malkin, C. Guo, Grinding Technology, 2nd ed. 2008,
 //! chapter "Grinding mechanisms"; S. Malkin, N. H. Cook, J. Eng. Ind. 93 (1971) 1120.
 //!
@@ -23,9 +23,8 @@ use crate::technology::burn_limit_mm2_s;
 /// Heat in the part without coolant, as a multiple of that with coolant. DECISION: 85 and 65 percent, at the ends of the
 /// range that Malkin and Guo give for shallow-cut grinding.
 const DRY_FACTOR: f64 = 0.85 / 0.65;
-/// Lowest removal rate used, mm³/(mm·s): the length of contact, over which the heat is spread, becomes no shorter than that of
-/// the elastic contact of wheel and part (W. B. Rowe, Principles of Modern Grinding Technology, 2009, chapter "Contact length").
-const LEAST_REMOVAL_MM2_S: f64 = 1.0;
+/// Removal rate per width at which ploughing has 63 % of its force, mm³/(mm·s): it fades as grains lose the contact. DECISION.
+const PLOUGHING_MM2_S: f64 = 0.05;
 /// Lowest work speed used, as a share of that of the burn limit: a table that reverses does not burn.
 const LEAST_WORK_SHARE: f64 = 0.1;
 
@@ -45,9 +44,10 @@ impl ContactPower {
         }
         // J/mm³ · mm³/s = W; N/mm · mm · m/s = W.
         let (rate, width_mm) = (cut.volume_mm3 / dt_s, cut.volume_mm3 / cut.specific_mm2);
+        let presses = -(-cut.specific_mm2 / dt_s / PLOUGHING_MM2_S).exp_m1();
         Self {
             chip_w: cutting.chip_j_mm3 * rate,
-            ploughing_w: cutting.ploughing_n_mm * width_mm * wheel_m_s,
+            ploughing_w: cutting.ploughing_n_mm * width_mm * wheel_m_s * presses,
             sliding_w: (cutting.energy_j_mm3 - cutting.chip_j_mm3) * cut.dullness_factor * rate,
         }
     }
@@ -65,27 +65,23 @@ impl AddAssign for ContactPower {
     }
 }
 
-/// Whether a cut within a tick burns the part.
-pub(super) fn burns(cutting: &CuttingFile, cut: &Cut, (wheel_m_s, dt_s): (f64, f64), coolant_flows: bool) -> bool {
+/// Whether a cut within a tick, which takes this power, burns the part.
+pub(super) fn burns(cutting: &CuttingFile, cut: &Cut, power: ContactPower, dt_s: f64, coolant_flows: bool) -> bool {
     if cut.specific_mm2 <= 0.0 {
         return false;
     }
-    let power = ContactPower::of_cut(cutting, cut, wheel_m_s, dt_s);
-    let per_width_w =
-        power.whole_w() * cut.specific_mm2 / cut.volume_mm3 * if coolant_flows { 1.0 } else { DRY_FACTOR };
-    let removal = (cut.specific_mm2 / dt_s).max(LEAST_REMOVAL_MM2_S);
-    removal > burn_limit(cutting, per_width_w / removal, cut.work_mm_s, wheel_m_s)
+    let heat_j_mm3 = power.whole_w() * dt_s / cut.volume_mm3 * if coolant_flows { 1.0 } else { DRY_FACTOR };
+    cut.specific_mm2 > burn_limit(cutting, heat_j_mm3, cut.work_mm_s) * dt_s
 }
 
 /// Removal rate per width from which a contact burns the part, mm³/(mm·s), for the energy that heats it as under coolant.
-fn burn_limit(cutting: &CuttingFile, heat_j_mm3: f64, work_mm_s: Option<f64>, wheel_m_s: f64) -> f64 {
+fn burn_limit(cutting: &CuttingFile, heat_j_mm3: f64, work_mm_s: Option<f64>) -> f64 {
     let reference = cutting.burn_work_mm_s.unwrap_or(1.0);
     let turns = cutting.burn_work_mm_s.and(work_mm_s);
     let work = turns.map_or(reference, |mm_s| mm_s.max(LEAST_WORK_SHARE * reference));
-    // What ploughing takes at the machine file's limit; its equivalent diameter is that for which the limit holds.
-    let ploughing_j_mm3 = cutting.ploughing_n_mm * wheel_m_s / cutting.burn_mm2_s;
+    // The equivalent diameter is that of the machine file's limit.
     let law = |energy: f64, work_mm_s: f64| burn_limit_mm2_s(energy, 1.0, work_mm_s);
-    let (sharp, here) = (law(cutting.energy_j_mm3 + ploughing_j_mm3, reference), law(heat_j_mm3, work));
+    let (sharp, here) = (law(cutting.energy_j_mm3, reference), law(heat_j_mm3, work));
     if sharp.is_finite() { cutting.burn_mm2_s * here / sharp } else { cutting.burn_mm2_s }
 }
 
@@ -98,7 +94,7 @@ mod tests {
     fn limit(dullness_factor: f64, work_mm_s: f64, coolant_flows: bool) -> f64 {
         let cutting = MachineFile::builtin(Kind::Gc).unwrap().cutting;
         let heat = cutting.energy_j_mm3 * dullness_factor * if coolant_flows { 1.0 } else { DRY_FACTOR };
-        burn_limit(&cutting, heat, Some(work_mm_s), 34.6)
+        burn_limit(&cutting, heat, Some(work_mm_s))
     }
 
     /// 8 mm²/s at 420 mm/s; 40 J/mm³. Dull, 2.5 times the energy: 8·(33.8/93.8)^(4/3) = 2.052; an eighth of the work

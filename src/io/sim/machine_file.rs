@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, require_not_negative, require_positive, require_positive_fields as positive};
+use super::file_error::{
+    SimFileError, refuse_value, require_not_negative, require_positive, require_positive_fields as positive,
+};
 use super::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
     ScatterFile, SecondSpindleFile, ToolTurretFile, WheelFile,
@@ -60,7 +62,6 @@ pub struct MachineFile {
     /// Warming of the part; without it parts stay cold.
     pub part_heat: Option<PartHeatFile>,
     /// Vibration of the wheel against the part.
-    #[serde(default)]
     pub vibration: Option<VibrationFile>,
 }
 
@@ -117,9 +118,15 @@ impl MachineFile {
         require_not_negative("wheel.wear_exponent", wheel.wear_exponent)?;
         positive!("wheel", wheel; corner_wear)?;
         require_not_negative("cutting.chip_j_mm3", cutting.chip_j_mm3)?;
-        require_not_negative("cutting.energy_j_mm3 without chip_j_mm3", cutting.energy_j_mm3 - cutting.chip_j_mm3)?;
+        if cutting.chip_j_mm3 > cutting.energy_j_mm3 {
+            refuse_value("cutting.chip_j_mm3", cutting.chip_j_mm3, "must not exceed energy_j_mm3")?;
+        }
         require_not_negative("cutting.ploughing_n_mm", cutting.ploughing_n_mm)?;
-        require_not_negative("gauges.coolant_noise", self.gauges.coolant_noise)?;
+        let GaugesFile { noise_um, coolant_noise, hysteresis_um, .. } = self.gauges;
+        require_not_negative("gauges.coolant_noise", coolant_noise)?;
+        if coolant_noise > 1.0 && hysteresis_um < 2.0 * noise_um * coolant_noise {
+            refuse_value("gauges.hysteresis_um", hysteresis_um, "must be twice the noise under coolant")?;
+        }
         self.dresser.as_ref().map_or(Ok(()), |d| require_not_negative("dresser.wear_um_cm3", d.wear_um_cm3))?;
         positive!("second_spindle", self.second_spindle; rpm run_up_s)?;
         positive!("hydraulics", hydraulics; time_constant_s gauge_arm_s oscillation_mm oscillation_mm_s)?;

@@ -97,7 +97,7 @@ pub struct WheelFile {
     /// g of G(Q'w) = G·Q'w^−g: how much more the wheel wears under load; 0: G is the same at every removal rate.
     #[serde(default)]
     pub wear_exponent: f64,
-    /// How many times as much the rim wears at its two corners as between them, for the same removed volume.
+    /// How many times as much the rim wears in the 3 mm next to its sides as between them, for the same removed volume.
     #[serde(default = "even_wear")]
     pub corner_wear: f64,
 }
@@ -239,13 +239,13 @@ pub struct CuttingFile {
     /// Share of it that forms chips, J/mm³: it does not grow as the wheel gets dull, the rest does.
     #[serde(default)]
     pub chip_j_mm3: f64,
-    /// Tangential force of ploughing per width of contact, N/mm: the same at every removal rate.
+    /// Tangential force of ploughing per width of contact, N/mm: the same at every removal rate but the smallest.
     #[serde(default)]
     pub ploughing_n_mm: f64,
     /// Ratio µ of tangential to normal force.
     #[serde(default = "usual_force_ratio")]
     pub force_ratio: f64,
-    /// Specific removal rate above which a sharp wheel under coolant burns the part, mm³/(mm·s).
+    /// Specific removal rate above which a sharp wheel under coolant burns the part, mm³/(mm·s); ploughing lowers it.
     pub burn_mm2_s: f64,
     /// Speed of the part under the wheel for which that rate holds, mm/s; absent: for every speed.
     #[serde(default)]
@@ -359,7 +359,6 @@ pub struct GaugesFile {
     /// Switch-off hysteresis of a stage, µm; must exceed the noise, or signals chatter.
     pub hysteresis_um: f64,
     /// What the radial gauge shows too much as it warms.
-    #[serde(default)]
     pub drift: Option<ThermalFile>,
     /// Noise while coolant flows over the tips, as a multiple of `noise_um`.
     #[serde(default = "no_more_noise")]

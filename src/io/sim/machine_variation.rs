@@ -67,7 +67,7 @@ pub struct MachineVariation {
     pub diamond_wear_um_cm3: Option<f64>,
     /// Drift of the radial gauge.
     pub gauge_drift: Option<ThermalFile>,
-    /// Noise of the gauges under coolant, as a factor.
+    /// Noise of the radial gauge under coolant, as a factor.
     pub coolant_noise: Option<f64>,
 }
 

@@ -40,8 +40,12 @@ pub struct WheelState {
 /// What the process does at a moment, beside the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProcessState {
-    /// Power that forms chips, ploughs and slides, W.
-    pub power_w: [f64; 3],
+    /// Power that forms chips, W.
+    pub chip_w: f64,
+    /// Power that ploughs, W.
+    pub ploughing_w: f64,
+    /// Power that slides, W.
+    pub sliding_w: f64,
     /// Amplitude of the wheel's vibration, µm.
     pub vibration_um: f64,
     /// How far the part is warmer than the coolant, K.
@@ -60,7 +64,9 @@ impl SimulatedMachine {
     pub fn process(&self) -> ProcessState {
         let ContactPower { chip_w, ploughing_w, sliding_w } = self.grinding.power;
         ProcessState {
-            power_w: [chip_w, ploughing_w, sliding_w],
+            chip_w,
+            ploughing_w,
+            sliding_w,
             vibration_um: self.grinding.vibration.amplitude_um,
             part_kelvin: self.grinding.part_kelvin(),
             head_growth_um: 1_000.0 * self.axis_value(self.file.layout.infeed, |sim| sim.thermal_mm),

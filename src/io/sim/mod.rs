@@ -223,6 +223,7 @@ impl SimulatedMachine {
         let parked = match &internal {
             Some(file) if self.inner_wheel.as_ref().is_none_or(|(known, _)| known != file) => {
                 let shape = file.wheel(&self.file.wheel);
+                self.grinding.fit_inner_diamond();
                 let mut wheel = GrindingWheel::new(&shape, &self.file.cutting);
                 wheel.set_batch_factors(&shape, &self.file.cutting, self.wheel_factors);
                 Some(wheel)
@@ -301,7 +302,7 @@ impl SimulatedMachine {
             oversize_um: is_out.then(|| self.grinding.oversize_um(&scene, self.wheel.width_mm)).flatten(),
             probe_deflection_mm: self.grinding.probe_deflection_mm(&scene),
         };
-        self.gauges.step(found, (dt_s, scene.coolant_flows), &mut self.rng);
+        self.gauges.step(found, dt_s, scene.coolant_flows, &mut self.rng);
         let standing = scene.speed_mm_s.0.iter().all(|v| v.abs() <= 0.0);
         self.tripped = crashed || (self.tripped && (self.outputs.drives_on || !standing));
     }

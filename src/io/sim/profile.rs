@@ -134,6 +134,11 @@ impl ProfileSurface {
         !matches!(self.shape, ProfileShape::Face { turns: false, .. })
     }
 
+    /// Whether the rim grinds it, not a side of the wheel.
+    pub(super) const fn is_ground_by_rim(&self) -> bool {
+        !matches!(self.shape, ProfileShape::Face { .. })
+    }
+
     /// Position along the infeed below which the wheel can touch the surface, mm.
     pub(super) fn reach_mm(&self) -> f64 {
         match self.shape {

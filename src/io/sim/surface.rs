@@ -53,6 +53,11 @@ impl Surface {
         self.profile().is_some_and(ProfileSurface::needs_rotation)
     }
 
+    /// Whether the rim grinds it, not a side of the wheel.
+    pub(super) fn is_ground_by_rim(&self) -> bool {
+        self.profile().is_none_or(ProfileSurface::is_ground_by_rim)
+    }
+
     /// Event text for a part that is stopped but should rotate.
     pub(super) fn place_when_stopped(&self, on_table: bool) -> &'static str {
         let turns = |_: &ProfileSurface| if on_table { "part, table stopped" } else { "part, workhead stopped" };

@@ -18,6 +18,8 @@ const SLICES: usize = 20;
 /// How a new wheel was dressed: depth of the last pass, mm, and its overlap ratio. DECISION: for an Ra of 0.4 µm.
 const NEW_DEPTH_MM: f64 = 0.02;
 const NEW_OVERLAP: f64 = 4.0;
+/// Length of a corner along the rim, mm. DECISION.
+const CORNER_MM: f64 = 3.0;
 /// Density of a vitrified corundum wheel, kg/mm³.
 const DENSITY_KG_MM3: f64 = 2.2e-6;
 /// Smallest engagement depth used for the wear of a side, mm.
@@ -101,7 +103,7 @@ impl GrindingWheel {
 
     /// Turns per second at a peripheral speed.
     pub(super) fn turns_s(&self, peripheral_m_s: f64) -> f64 {
-        1_000.0 * peripheral_m_s / (2.0 * PI * self.radius_mm)
+        1_000.0 * peripheral_m_s / (PI * self.diameter_mm())
     }
 
     /// Mass of the new wheel, kg.
@@ -120,7 +122,7 @@ impl GrindingWheel {
         (slice >= 0.0 && slice < SLICES as f64).then_some(slice as usize)
     }
 
-    /// Volume that a depth of a slice is, mm³.
+    /// Volume of a slice to a depth, mm³.
     pub(super) fn slice_volume_mm3(&self, depth_mm: f64) -> f64 {
         2.0 * PI * self.radius_mm * depth_mm / self.slices_per_mm
     }
@@ -173,7 +175,8 @@ impl GrindingWheel {
 
     /// Wears a slice of the rim by the volume that it removed, at a removal rate per width, mm³/(mm·s).
     pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64, removal_mm2_s: f64) {
-        let at_corner = slice == 0 || slice == SLICES - 1;
+        let from_side = slice.min(SLICES - 1 - slice) as f64 / self.slices_per_mm;
+        let at_corner = from_side < CORNER_MM;
         let corner = if at_corner { self.corner_wear } else { 1.0 };
         let worn_mm = volume_mm3 * self.rim_wear_per_mm3 * self.wear_factor(removal_mm2_s) * corner;
         self.rim_wear_mm[slice] += worn_mm;
@@ -252,11 +255,10 @@ mod tests {
         let mut wheel = GrindingWheel::new(&machine.wheel, &machine.cutting);
         (0..SLICES).for_each(|slice| wheel.wear_rim(slice, 1_508.0 / SLICES as f64, 1.0));
         let radius_um = |slice: usize| 1_000.0 * wheel.rim_wear_mm[slice];
-        assert!(
-            [(0, 3.0), (1, 1.0), (SLICES - 2, 1.0), (SLICES - 1, 3.0)]
-                .iter()
-                .all(|(slice, um)| (radius_um(*slice) - um).abs() < 0.001)
-        );
+        // Slices of 1 mm: three at each corner.
+        for (slice, um) in [(0, 3.0), (2, 3.0), (3, 1.0), (SLICES - 4, 1.0), (SLICES - 3, 3.0), (SLICES - 1, 3.0)] {
+            assert!((radius_um(slice) - um).abs() < 0.001, "{slice}: {}", radius_um(slice));
+        }
     }
 
     #[test]

@@ -8,21 +8,24 @@ use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::with_extremes;
 use crate::defs::grinding_phase::GrindingPhase;
+use crate::defs::key::Mode;
 use crate::defs::page_meaning::{PageMeaning, SizeKind};
 use crate::hmi::page::technology::task;
 use crate::hmi::{Area, View, theme};
 use crate::link::Snapshot;
-use crate::link::cycle_times::CycleTimes;
+use crate::link::snapshot::RunState;
+use crate::units::{Axis, Micros};
 
 /// Time between two samples, s, and how many are kept of a cycle: an hour.
 const SAMPLE_S: f64 = 0.1;
 const MAX_SAMPLES: usize = 36_000;
-/// The recorded end of a cycle is so near to its whole time, s.
-const END_S: f64 = 1.0;
 /// The feed is the mean of so many samples.
 const FEED_SAMPLES: usize = 5;
 /// Shortest time that the curves show, s.
 const LEAST_SPAN_S: f64 = 10.0;
+/// Distances of the figures of the time, s, and how many there are at most.
+const TIME_STEPS_S: [f64; 10] = [2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1_200.0];
+const MOST_TIMES: f64 = 8.0;
 /// Widths of the figures in front of a curve and of the scale beside it.
 const NAME_WIDTH: f32 = 150.0;
 const SCALE_WIDTH: f32 = 52.0;
@@ -35,8 +38,9 @@ const ABOVE_MM: f64 = 0.5;
 const LINE_STRENGTH: f32 = 0.45;
 /// Width of the name of a phase, and height of a plot that has room for it.
 const PHASE_WIDTH: f32 = 66.0;
+const LEAST_PHASE_WIDTH: f32 = 26.0;
 const PHASE_HEIGHT: f32 = 110.0;
-/// Removal rates below this are not told apart, mm³/(mm·s).
+/// Least height of the scale of the removal rate, mm³/(mm·s).
 const LEAST_RATE: f64 = 0.5;
 
 /// Values at a moment of a cycle.
@@ -55,15 +59,18 @@ struct SizeTarget {
     finished_mm: f64,
     limits_mm: Option<(f64, f64)>,
     blank_mm: Option<f64>,
-    /// The size is a diameter that is ground from outside.
-    is_diameter: bool,
+    /// The rate of removal of a plunge on an outside diameter can be told.
+    is_plunge: bool,
 }
 
 impl SizeTarget {
     /// None on a page without a size to which the infeed axis goes: a length, a bore.
     fn of(snapshot: &Snapshot) -> Option<Self> {
         let nominal = snapshot.size_values().nominal()?;
-        let is_centre = snapshot.kind.ui().wheel_pose.is_none_or(|pose| pose.position_is_centre);
+        let pose = snapshot.kind.ui().wheel_pose.filter(|pose| !pose.position_is_centre)?;
+        if pose.body == Axis::X && !snapshot.x_as_diameter {
+            return None;
+        }
         let files = snapshot.screens.find(snapshot.program.number);
         let page = files.and_then(|files| files.text.as_deref().ok());
         let value = |meaning| {
@@ -72,11 +79,12 @@ impl SizeTarget {
         };
         let blank_mm = value(PageMeaning::BlankDiameter).filter(|blank| *blank > nominal.mm);
         let is_diameter = match nominal.kind {
-            Some(SizeKind::Diameter) if !is_centre && blank_mm.is_some() => true,
+            Some(SizeKind::Diameter) if blank_mm.is_some() => true,
             Some(SizeKind::Height) => false,
             Some(SizeKind::Diameter | SizeKind::Length) | None => return None,
         };
-        Some(Self { finished_mm: nominal.mm, limits_mm: nominal.limits, blank_mm, is_diameter })
+        let is_plunge = is_diameter && page.is_some_and(task::is_plunge);
+        Some(Self { finished_mm: nominal.mm, limits_mm: nominal.limits, blank_mm, is_plunge })
     }
 
     /// From the finished size down to the end of the scale, mm: the lower limit is on it.
@@ -97,6 +105,9 @@ pub(super) struct CycleCurves {
     program: u32,
     running: Vec<CycleSample>,
     before: Vec<CycleSample>,
+    /// End of the last counted part, and whether the running cycle has counted it.
+    last_part: Option<Micros>,
+    has_part: bool,
 }
 
 /// A curve of the cycle.
@@ -118,19 +129,25 @@ struct Curve<'a> {
 impl CycleCurves {
     /// Takes up the state of the machine.
     pub(super) fn record(&mut self, snapshot: &Snapshot) {
-        let Some(pose) = snapshot.kind.ui().wheel_pose else { return };
-        let seconds = snapshot.cycle.times.seconds;
         let program = snapshot.program.number;
+        let is_part = snapshot.mode != Mode::Mdi && !snapshot.dressing_programs().contains(&program);
+        let Some(pose) = snapshot.kind.ui().wheel_pose.filter(|_| is_part) else { return };
+        let seconds = snapshot.cycle.times.seconds;
+        let part = snapshot.cycle.part.filter(|part| part.program == program).map(|part| part.ended_at);
         if program != self.program {
-            *self = Self { program, ..Self::default() };
+            *self = Self { program, last_part: part, ..Self::default() };
         }
         let last = self.running.last().map_or(f64::NEG_INFINITY, |sample| sample.seconds);
         if seconds < last {
             let ended = std::mem::take(&mut self.running);
-            if is_whole(snapshot.cycle.before.as_ref(), last) {
+            if std::mem::take(&mut self.has_part) {
                 self.before = ended;
             }
-        } else if seconds < last + SAMPLE_S || self.running.len() >= MAX_SAMPLES {
+        }
+        if part.is_some() && part != self.last_part {
+            (self.last_part, self.has_part) = (part, true);
+        }
+        if seconds >= last && (seconds < last + SAMPLE_S || self.running.len() >= MAX_SAMPLES) {
             return;
         }
         self.running.push(CycleSample {
@@ -143,15 +160,15 @@ impl CycleCurves {
 
     /// Whether the curves grow.
     pub(super) fn grows(&self, snapshot: &Snapshot) -> bool {
-        snapshot.cycle.phase.is_some()
+        snapshot.state == RunState::Running
     }
 
     /// The curves.
     pub(super) fn ui(&self, rect: Rect, view: &View<'_>) {
         let target = SizeTarget::of(view.snapshot);
-        let burn = target.filter(|target| target.is_diameter).and_then(|_| burn_limit(view));
+        let burn = target.filter(|target| target.is_plunge).and_then(|_| burn_limit(view));
         let has_load = view.snapshot.wheel_load_percent().is_some();
-        let rate = target.filter(|target| target.is_diameter);
+        let rate = target.filter(|target| target.is_plunge);
         let count = 1 + usize::from(has_load) + usize::from(rate.is_some());
         // The size has the height of two.
         let unit = rect.height() / (count as f32 + 1.0);
@@ -196,9 +213,13 @@ impl CycleCurves {
         for limit in target.limits_mm.map_or([None; 2], |(low, high)| [Some(low), Some(high)]).into_iter().flatten() {
             lines.push((limit - finished, String::new(), view.theme.hold));
         }
-        let text = |mm: f64| format!("{mm:+.4}");
+        let sign = |mm: f64| if mm > 0.0 { "+" } else { "" };
+        let text = |mm: f64| match mm <= above {
+            true => format!("{}{}", sign(mm), view.length(mm)),
+            false => "—".to_owned(),
+        };
         let below = format!("{} {}", view.text("成品", "target"), view.length(finished));
-        let name = view.text("砂轮距成品尺寸 mm", "wheel to target mm");
+        let name = view.text("砂轮位置 – 成品 mm", "wheel – target mm");
         self.paint(
             rect,
             view,
@@ -215,14 +236,12 @@ impl CycleCurves {
         let height = |rate: f64| rate / high;
         let lines: Vec<_> =
             burn.iter().map(|burn| (*burn, view.text("烧伤", "burn").to_owned(), view.theme.alarm_text)).collect();
-        let below = burn.map_or_else(String::new, |burn| format!("{} {burn:.1}", view.text("烧伤极限", "burns from")));
+        let material = task::material(view).name.get(view.lang);
+        let below =
+            burn.map_or_else(String::new, |burn| format!("{material}: {} {burn:.1}", view.text("烧伤", "burn")));
         let text = |rate: f64| format!("{rate:.2}");
-        let name = "Q'w mm³/(mm·s)";
-        self.paint(
-            rect,
-            view,
-            &Curve { name, colour: view.theme.hold, below, height: &height, values: &values, lines, text: &text },
-        );
+        let (name, colour) = ("Q'w mm³/(mm·s)", view.theme.macros);
+        self.paint(rect, view, &Curve { name, colour, below, height: &height, values: &values, lines, text: &text });
     }
 
     fn load(&self, rect: Rect, view: &View<'_>) {
@@ -231,7 +250,7 @@ impl CycleCurves {
         let high = most.fold(10.0, f64::max) * 1.1;
         let height = |percent: f64| percent / high;
         let text = |percent: f64| format!("{percent:.1}");
-        let (name, colour) = (view.text("砂轮负载 %", "wheel load %"), view.theme.alarm_text);
+        let (name, colour) = (view.text("砂轮负载 %", "wheel load %"), view.theme.run);
         let below = String::new();
         self.paint(
             rect,
@@ -241,7 +260,7 @@ impl CycleCurves {
     }
 
     /// The whole time of the curves, s.
-    fn span_s(&self) -> f64 {
+    pub(super) fn span_s(&self) -> f64 {
         let end = |samples: &[CycleSample]| samples.last().map_or(0.0, |sample| sample.seconds);
         end(&self.running).max(end(&self.before)).max(LEAST_SPAN_S)
     }
@@ -267,7 +286,7 @@ impl CycleCurves {
             let label = Rect::from_center_size(pos2(scale.center().x, at), vec2(scale.width(), theme::SMALL + 2.0));
             view.fit_right(label, name, theme::SMALL, *colour);
         }
-        self.phases(plot, view);
+        self.frame(plot, view);
         let span = self.span_s();
         let points = |samples: &[CycleSample], values: Vec<Option<f64>>| -> Vec<Pos2> {
             let x = |seconds: f64| plot.min.x + (seconds / span) as f32 * plot.width();
@@ -284,29 +303,33 @@ impl CycleCurves {
         painter.add(Shape::line(points(&self.running, running), Stroke::new(2.0, curve.colour)));
     }
 
-    /// Where the phases of the running cycle begin, or those of the one before.
-    fn phases(&self, plot: Rect, view: &View<'_>) {
+    /// Where the phases of the running cycle begin, and the seconds below; a low plot has only their lines.
+    fn frame(&self, plot: Rect, view: &View<'_>) {
         let span = self.span_s();
-        let mut seen = None;
-        for sample in &self.running {
-            if sample.phase != seen
-                && let Some(phase) = sample.phase
-            {
-                let x = plot.min.x + (sample.seconds / span) as f32 * plot.width();
-                view.painter.vline(x, plot.y_range(), Stroke::new(1.0, view.theme.line));
-                let label = Rect::from_min_size(pos2(x + 3.0, plot.min.y), vec2(PHASE_WIDTH, theme::SMALL + 2.0));
-                if plot.height() > PHASE_HEIGHT {
-                    view.fit_left(label.intersect(plot), phase.name().get(view.lang), theme::SMALL, view.theme.muted);
-                }
+        let place = |seconds: f64| plot.min.x + (seconds / span) as f32 * plot.width();
+        let begins = |pair: &[CycleSample]| pair[1].phase != pair[0].phase;
+        let first = self.running.first().into_iter();
+        let changes = first.chain(self.running.windows(2).filter(|pair| begins(pair)).map(|pair| &pair[1]));
+        let changes: Vec<_> = changes.filter_map(|sample| Some((place(sample.seconds), sample.phase?))).collect();
+        let is_high = plot.height() > PHASE_HEIGHT;
+        for (index, (x, phase)) in changes.iter().enumerate() {
+            view.painter.vline(*x, plot.y_range(), Stroke::new(1.0, view.theme.line));
+            let next = changes.get(index + 1).map_or(plot.max.x, |(next, _)| *next);
+            let width = (next - x - 6.0).min(PHASE_WIDTH);
+            if is_high && width >= LEAST_PHASE_WIDTH {
+                let label = Rect::from_min_size(pos2(x + 3.0, plot.min.y), vec2(width, theme::SMALL + 2.0));
+                view.fit_left(label, phase.name().get(view.lang), theme::SMALL, view.theme.muted);
             }
-            seen = sample.phase;
+        }
+        let step = TIME_STEPS_S.into_iter().find(|step| span / step <= MOST_TIMES).unwrap_or(span);
+        for index in 1..=if is_high { (span / step) as u32 } else { 0 } {
+            let (x, bottom) = (place(f64::from(index) * step), plot.max.y);
+            view.painter.vline(x, bottom - 4.0..=bottom, Stroke::new(1.0, view.theme.muted));
+            let label = Rect::from_min_max(pos2(x - 44.0, bottom - theme::SMALL - 2.0), pos2(x - 3.0, bottom));
+            let words = format!("{:.0} s", f64::from(index) * step);
+            view.fit_right(label.intersect(plot), &words, theme::SMALL, view.theme.muted);
         }
     }
-}
-
-/// Whether a cycle whose record ends there came to its end.
-fn is_whole(before: Option<&CycleTimes>, recorded_s: f64) -> bool {
-    before.is_some_and(|before| (before.seconds - recorded_s).abs() <= END_S)
 }
 
 /// The removal rate per width at which the part of the technology page's material burns, mm³/(mm·s).
@@ -316,16 +339,36 @@ fn burn_limit(view: &View<'_>) -> Option<f64> {
     task::task(view, text).burn_limit_mm2_s()
 }
 
-/// Q'w = π·d·v_f of each sample, where the wheel is below the blank, mm³/(mm·s).
+/// Q'w = π·d·v_f of each sample, mm³/(mm·s): 0 where the wheel is above the blank.
 fn removal_rates(samples: &[CycleSample], target: SizeTarget) -> Vec<Option<f64>> {
     let blank = target.blank_mm.unwrap_or(f64::INFINITY);
     let rate = |index: usize| {
         let (now, then) = (samples[index], samples[index.checked_sub(FEED_SAMPLES)?]);
-        if now.size_mm > blank || then.size_mm > blank {
-            return None;
-        }
         let feed_mm_s = (then.size_mm - now.size_mm).max(0.0) / 2.0 / (now.seconds - then.seconds);
-        Some(PI * now.size_mm * feed_mm_s)
+        Some(PI * now.size_mm * feed_mm_s).filter(|_| then.size_mm <= blank && now.size_mm <= blank)
     };
     (0..samples.len()).map(|index| Some(rate(index).unwrap_or(0.0))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ø40 at 1.2 mm/min of the slide, 0.04 mm of diameter a second: π·40·0.02 = 2.513 mm³/(mm·s).
+    #[test]
+    fn k4_5_the_removal_rate_is_that_of_the_feed_below_the_blank() {
+        let target = SizeTarget { finished_mm: 40.0, limits_mm: None, blank_mm: Some(40.1), is_plunge: true };
+        let at = |from_mm: f64, per_s: f64| -> Vec<CycleSample> {
+            let sample = |index: u32| {
+                let seconds = 0.1 * f64::from(index);
+                CycleSample { seconds, phase: None, size_mm: from_mm - per_s * seconds, load_percent: None }
+            };
+            (0..11).map(sample).collect()
+        };
+        let last = |samples: &[CycleSample]| removal_rates(samples, target)[10].unwrap();
+        assert!((last(&at(40.04, 0.04)) - 2.513).abs() < 0.001);
+        assert!(last(&at(41.0, 0.04)).abs() < 1e-12, "above the blank it removes nothing");
+        assert!(last(&at(40.0, -0.04)).abs() < 1e-12, "on its way back, too");
+        assert_eq!(removal_rates(&at(40.0, 0.04)[..3], target), [Some(0.0); 3], "a feed takes some samples");
+    }
 }

@@ -1,4 +1,4 @@
-//! Process page: live curves of axes, feed, wheel load and gauge signals, or the cycle of a part against its time; sizes and cycle times of the last parts; the
+//! Process page: live curves of axes, feed, wheel load and gauge signals, or the cycle of a part by its time; sizes and cycle times of the last parts; the
 //! wheel and its dressings; CSV export of all data.
 //! Source: tools.md (page process), K4.3, K4.5, K5.17, H9.
 
@@ -132,6 +132,7 @@ impl PageUi for ProcessPage {
         out.extend(self.keys(keys, view));
         if let Some(((), Some(_))) = self.question.ui(rect, view, &typed.edits) {
             self.samples.clear();
+            self.cycle = CycleCurves::default();
             self.cleared = view.snapshot.production.parts.last().map_or(0, |part| part.count);
             self.window_end = None;
         }
@@ -294,18 +295,19 @@ impl ProcessPage {
     }
 
     fn keys(&mut self, rect: Rect, view: &View<'_>) -> Option<Command> {
-        let words = format!("{} {:.0} s", view.text("时间", "SPAN"), self.span());
+        let span = if self.shows_cycle { self.cycle.span_s() } else { self.span() };
+        let words = format!("{} {span:.0} s", view.text("时间", "SPAN"));
         let back = |end| format!("{} {}", view.text("回到实时", "TO LIVE"), view.time(end));
         let live = self.window_end.map_or_else(|| view.text("实时", "LIVE").to_owned(), back);
+        let is_lathe = view.snapshot.kind.ui().wheel_pose.is_none();
         let keys = [
-            PageKey::new("process-span", &words),
+            PageKey::new("process-span", &words).locked(self.shows_cycle),
             PageKey::new("process-live", &live).on(self.window_end.is_none() && !self.shows_cycle),
-            PageKey::new("process-cycle", view.text("本件", "PART")).on(self.shows_cycle),
+            PageKey::new("process-cycle", view.text("本件", "PART")).on(self.shows_cycle).locked(is_lathe),
             PageKey::new("process-clear", view.text("清除", "CLEAR")),
             PageKey::new("process-export", view.text("存为 CSV", "SAVE CSV")),
         ];
         match self.walk.keys(view, rect, &keys) {
-            Some(0) if self.shows_cycle => self.shows_cycle = false,
             Some(0) => {
                 let longer = SPANS_SECONDS.into_iter().find(|span| *span > self.span() + 0.5);
                 self.span_seconds = longer;
