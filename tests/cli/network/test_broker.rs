@@ -136,10 +136,16 @@ impl TestBroker {
 
     /// Takes a client, receives, answers.
     pub fn step(&mut self) {
+        self.serve_client();
+        // The last words of a client are heard before the next one takes its place.
         if let Ok((stream, _)) = self.listener.accept() {
+            self.serve_client();
             self.taken += 1;
             self.take(stream);
         }
+    }
+
+    fn serve_client(&mut self) {
         let Some(mut client) = self.client.take() else { return };
         let keeps = self.manners == Manners::Deaf && client.is_taken || self.serve(&mut client);
         // As brokers do: the refusal and the end come together.
