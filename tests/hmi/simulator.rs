@@ -85,7 +85,7 @@ fn k4_5_the_cycle_of_a_part_is_seen_against_the_one_before() {
     let mut bench = Bench::new(crate::stories::ready(), Page::Process);
     bench.touch("本件 process-cycle");
     run(&mut bench, &format!("load O1002\n{NEW_PART}"), 60);
-    for words in ["砂轮位置 – 成品", "成品 40.000", "粗磨", "精磨", "光磨", "淬硬钢: 烧伤 2.7", "10 s"]
+    for words in ["砂轮位置 – 成品", "成品 40.000", "粗磨", "精磨", "光磨", "淬硬钢", "烧伤 2.7", "10 s"]
     {
         assert!(bench.shows(words), "{words}: {:?}", bench.painted());
     }

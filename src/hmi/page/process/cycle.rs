@@ -28,7 +28,7 @@ const TIME_STEPS_S: [f64; 10] = [2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0,
 const MOST_TIMES: f64 = 8.0;
 /// Widths of the figures in front of a curve and of the scale beside it.
 const NAME_WIDTH: f32 = 150.0;
-const SCALE_WIDTH: f32 = 52.0;
+const SCALE_WIDTH: f32 = 58.0;
 /// Lines of the scale of the size, mm above the finished size; the scale is that of the square root.
 const SIZE_LINES_MM: [f64; 6] = [0.005, 0.02, 0.05, 0.1, 0.2, 0.5];
 /// How far below the finished size the scale reaches at least, and above it where the blank is not known, mm.
@@ -38,7 +38,7 @@ const ABOVE_MM: f64 = 0.5;
 const LINE_STRENGTH: f32 = 0.45;
 /// Width of the name of a phase, and height of a plot that has room for it.
 const PHASE_WIDTH: f32 = 66.0;
-const LEAST_PHASE_WIDTH: f32 = 26.0;
+const LEAST_PHASE_WIDTH: f32 = 44.0;
 const PHASE_HEIGHT: f32 = 110.0;
 /// Least height of the scale of the removal rate, mm³/(mm·s).
 const LEAST_RATE: f64 = 0.5;
@@ -234,11 +234,9 @@ impl CycleCurves {
         // A limit far above what is ground would press the curve to its foot.
         let high = 1.15 * burn.filter(|burn| *burn < 4.0 * most).map_or(most, |burn| burn.max(most));
         let height = |rate: f64| rate / high;
-        let lines: Vec<_> =
-            burn.iter().map(|burn| (*burn, view.text("烧伤", "burn").to_owned(), view.theme.alarm_text)).collect();
-        let material = task::material(view).name.get(view.lang);
-        let below =
-            burn.map_or_else(String::new, |burn| format!("{material}: {} {burn:.1}", view.text("烧伤", "burn")));
+        let label = |burn: f64| format!("{} {burn:.1}", view.text("烧伤", "burn"));
+        let lines: Vec<_> = burn.iter().map(|burn| (*burn, label(*burn), view.theme.alarm_text)).collect();
+        let below = burn.map_or_else(String::new, |_| task::material(view).name.get(view.lang).to_owned());
         let text = |rate: f64| format!("{rate:.2}");
         let (name, colour) = ("Q'w mm³/(mm·s)", view.theme.macros);
         self.paint(rect, view, &Curve { name, colour, below, height: &height, values: &values, lines, text: &text });
