@@ -191,8 +191,9 @@ fn p2_the_internal_spindle_has_a_wheel_of_its_own() {
     assert!((rig.sim.wheel().dullness - 0.5).abs() < 1e-9, "so did the outer one");
 }
 
-/// 10 µm of chatter at 100 Hz: the rim comes 10 µm nearer than it is told, so that the land is up to 20 µm smaller; the
-/// deepest point of each wave cuts for a part of the time only, so that some of it is left after 20 s (25 time constants).
+/// 10 µm of chatter at 100 Hz: the rim comes 10 µm nearer than it is told, in ten steps of a wave at least 10·cos 18° = 9.5 µm. What is
+/// left at the gap g of the peak cuts for a part of the wave only: ġ = −0.3·g^1.5/(τ·√a), so that g^−½ = 0.3·t/(2·τ·√a) + a^−½ =
+/// 1.5 after 20 s: 0.4 µm. The land is 18.1 to 19.1 µm smaller; the formula holds for small gaps, so half a micrometre more.
 #[test]
 fn p5_a_chattering_wheel_leaves_a_smaller_and_wavy_part() {
     let ground = |amplitude_um: f64| {
@@ -214,7 +215,7 @@ fn p5_a_chattering_wheel_leaves_a_smaller_and_wavy_part() {
     };
     let (still, wavy) = (ground(0.0), ground(10.0));
     let smaller = still.0 - wavy.0;
-    assert!((14.0..=20.0).contains(&smaller), "{smaller} µm");
+    assert!((17.6..=19.6).contains(&smaller), "{smaller} µm");
     assert!(still.1.abs() < 1e-12 && (wavy.1 - 20.0).abs() < 0.1, "{} {}", still.1, wavy.1);
 }
 

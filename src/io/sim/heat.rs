@@ -6,13 +6,14 @@
 //!   u = u_ch + F'_pl·v_s/Q'w + (u_0 − u_ch)·δ.
 //!
 //! Chips take the same energy whatever the wheel is like (13.8 J/mm³ of steel), ploughing the same force per width (about
-//! 1 N/mm) until it fades at the end of a spark-out: it is what makes small removal rates costly. Sliding grows with δ, because the time constant is the force per
-//! infeed (`bending`): wear flats rub and remove nothing. Sources: S. Malkin, C. Guo, Grinding Technology, 2nd ed. 2008,
-//! chapter "Grinding mechanisms"; S. Malkin, N. H. Cook, J. Eng. Ind. 93 (1971) 1120.
+//! 1 N/mm) until it fades at the end of a spark-out: it is what makes small removal rates costly. Sliding grows with δ,
+//! because the time constant is the force per infeed (`bending`): wear flats rub and remove nothing. Sources: S. Malkin,
+//! C. Guo, Grinding Technology, 2nd ed. 2008, chapter "Grinding mechanisms"; S. Malkin, N. H. Cook, J. Eng. Ind. 93 (1971)
+//! 1120.
 //!
 //! A sharp wheel burns the part under coolant at the removal rate of the machine file, at its work speed. For another energy
-//! and work speed it is the law of Malkin and Lenz (`technology::burn_limit_mm2_s`): a dull wheel burns earlier, and so do a slow part and a dry contact. The equivalent diameter is
-//! that for which the machine file's limit holds.
+//! and work speed it is the law of Malkin and Lenz (`technology::burn_limit_mm2_s`): a dull wheel burns earlier,
+//! and so do a slow part and a dry contact. The equivalent diameter is that for which the machine file's limit holds.
 
 use std::ops::AddAssign;
 

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
-use super::with_extremes;
+use super::{NAME_WIDTH, SAMPLE_PERIOD, with_extremes};
 use crate::defs::grinding_phase::GrindingPhase;
 use crate::defs::key::Mode;
 use crate::defs::page_meaning::{PageMeaning, SizeKind};
@@ -16,18 +16,16 @@ use crate::link::Snapshot;
 use crate::link::snapshot::RunState;
 use crate::units::{Axis, Micros};
 
-/// Time between two samples, s, and how many are kept of a cycle: an hour.
-const SAMPLE_S: f64 = 0.1;
+/// Samples kept of a cycle: an hour.
 const MAX_SAMPLES: usize = 36_000;
-/// The feed is the mean of so many samples.
+/// Number of samples over which the feed is averaged.
 const FEED_SAMPLES: usize = 5;
 /// Shortest time that the curves show, s.
 const LEAST_SPAN_S: f64 = 10.0;
-/// Distances of the figures of the time, s, and how many there are at most.
+/// Steps between the labels of the time, s, and their greatest number.
 const TIME_STEPS_S: [f64; 10] = [2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1_200.0];
 const MOST_TIMES: f64 = 8.0;
-/// Widths of the figures in front of a curve and of the scale beside it.
-const NAME_WIDTH: f32 = 150.0;
+/// Width of the scale beside a curve.
 const SCALE_WIDTH: f32 = 58.0;
 /// Lines of the scale of the size, mm above the finished size; the scale is that of the square root.
 const SIZE_LINES_MM: [f64; 6] = [0.005, 0.02, 0.05, 0.1, 0.2, 0.5];
@@ -36,7 +34,7 @@ const BELOW_MM: f64 = 0.005;
 const ABOVE_MM: f64 = 0.5;
 /// Strength of a line across.
 const LINE_STRENGTH: f32 = 0.45;
-/// Width of the name of a phase, and height of a plot that has room for it.
+/// Greatest and least width of the name of a phase, and height of a plot that has room for it.
 const PHASE_WIDTH: f32 = 66.0;
 const LEAST_PHASE_WIDTH: f32 = 44.0;
 const PHASE_HEIGHT: f32 = 110.0;
@@ -66,24 +64,20 @@ struct SizeTarget {
 impl SizeTarget {
     /// None on a page without a size to which the infeed axis goes: a length, a bore.
     fn of(snapshot: &Snapshot) -> Option<Self> {
-        let nominal = snapshot.size_values().nominal()?;
+        let values = snapshot.size_values();
+        let nominal = values.nominal()?;
         let pose = snapshot.kind.ui().wheel_pose.filter(|pose| !pose.position_is_centre)?;
         if pose.body == Axis::X && !snapshot.x_as_diameter {
             return None;
         }
-        let files = snapshot.screens.find(snapshot.program.number);
-        let page = files.and_then(|files| files.text.as_deref().ok());
-        let value = |meaning| {
-            let variable = page?.variable(|found| found == meaning)?;
-            snapshot.variables.get(usize::from(variable)).copied().flatten()
-        };
-        let blank_mm = value(PageMeaning::BlankDiameter).filter(|blank| *blank > nominal.mm);
+        let blank = values.page.and_then(|page| page.variable(|found| found == PageMeaning::BlankDiameter));
+        let blank_mm = blank.and_then(&values.variable).filter(|blank| *blank > nominal.mm);
         let is_diameter = match nominal.kind {
             Some(SizeKind::Diameter) if blank_mm.is_some() => true,
             Some(SizeKind::Height) => false,
             Some(SizeKind::Diameter | SizeKind::Length) | None => return None,
         };
-        let is_plunge = is_diameter && page.is_some_and(task::is_plunge);
+        let is_plunge = is_diameter && values.page.is_some_and(task::is_plunge);
         Some(Self { finished_mm: nominal.mm, limits_mm: nominal.limits, blank_mm, is_plunge })
     }
 
@@ -147,7 +141,7 @@ impl CycleCurves {
         if part.is_some() && part != self.last_part {
             (self.last_part, self.has_part) = (part, true);
         }
-        if seconds >= last && (seconds < last + SAMPLE_S || self.running.len() >= MAX_SAMPLES) {
+        if seconds >= last && (seconds < last + SAMPLE_PERIOD.as_secs_f64() || self.running.len() >= MAX_SAMPLES) {
             return;
         }
         self.running.push(CycleSample {
@@ -166,16 +160,15 @@ impl CycleCurves {
     /// The curves.
     pub(super) fn ui(&self, rect: Rect, view: &View<'_>) {
         let target = SizeTarget::of(view.snapshot);
-        let burn = target.filter(|target| target.is_plunge).and_then(|_| burn_limit(view));
         let has_load = view.snapshot.wheel_load_percent().is_some();
-        let rate = target.filter(|target| target.is_plunge);
-        let count = 1 + usize::from(has_load) + usize::from(rate.is_some());
+        let plunge = target.filter(|target| target.is_plunge);
+        let count = 1 + usize::from(has_load) + usize::from(plunge.is_some());
         // The size has the height of two.
         let unit = rect.height() / (count as f32 + 1.0);
         self.size(rect.band(0.0, 2.0 * unit - 4.0), view, target);
         let mut top = 2.0 * unit;
-        if let Some(target) = rate {
-            self.removal(rect.band(top, unit - 4.0), view, target, burn);
+        if let Some(target) = plunge {
+            self.removal(rect.band(top, unit - 4.0), view, target);
             top += unit;
         }
         if has_load {
@@ -227,7 +220,8 @@ impl CycleCurves {
         );
     }
 
-    fn removal(&self, rect: Rect, view: &View<'_>, target: SizeTarget, burn: Option<f64>) {
+    fn removal(&self, rect: Rect, view: &View<'_>, target: SizeTarget) {
+        let burn = burn_limit(view);
         let values = |samples: &[CycleSample]| removal_rates(samples, target);
         let most = [&self.running, &self.before].into_iter().flat_map(|samples| values(samples)).flatten();
         let most = most.fold(LEAST_RATE, f64::max);
@@ -332,9 +326,8 @@ impl CycleCurves {
 
 /// The removal rate per width at which the part of the technology page's material burns, mm³/(mm·s).
 fn burn_limit(view: &View<'_>) -> Option<f64> {
-    let files = view.snapshot.screens.find(view.snapshot.program.number)?;
-    let text = files.text.as_deref().ok()?;
-    task::task(view, text).burn_limit_mm2_s()
+    let page = view.snapshot.size_values().page?;
+    task::task(view, page).burn_limit_mm2_s()
 }
 
 /// Q'w = π·d·v_f of each sample, mm³/(mm·s): 0 where the wheel is above the blank.
